@@ -6,13 +6,11 @@ would be done, and why. Modules that run notebooks or compile take seconds to im
 imported only where there is something to do.
 """
 
-import errno
 import os
 import shutil
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import nullcontext
 
 from report.lists import (
     FIGURE_LIST,
@@ -39,7 +37,6 @@ from report.state import NotebookFailed, State
 
 DOCUMENTS = ("report", "supplement", "corrigenda")
 PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
-ROOM = 300e6  # bytes of disk that must be free before a notebook is run
 
 
 def main():
@@ -73,21 +70,18 @@ def run_stale(chosen):
     stale.reverse()  # the later ones take longer: then no processor waits for one at the end
     if not stale:
         return True
-    from report.kernels import shared_imports
-
     # The work is done in the kernels' own processes.
     pool, failed = ThreadPoolExecutor(len(os.sched_getaffinity(0))), 0
-    with shared_imports() if len(stale) > 1 else nullcontext():
-        try:
-            futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
-            for number, future in enumerate(as_completed(futures), 1):
-                try:
-                    text = future.result()
-                except NotebookFailed as error:
-                    text, failed = f"failed: {error}", failed + 1
-                say(f"{number:2} of {len(stale)}  {text}")
-        finally:  # an interrupt or a full disk doesn't wait for the other notebooks
-            pool.shutdown(wait=False, cancel_futures=True)
+    try:
+        futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
+        for number, future in enumerate(as_completed(futures), 1):
+            try:
+                text = future.result()
+            except NotebookFailed as error:
+                text, failed = f"failed: {error}", failed + 1
+            say(f"{number:2} of {len(stale)}  {text}")
+    finally:  # an interrupt or a full disk doesn't wait for the other notebooks
+        pool.shutdown(wait=False, cancel_futures=True)
     return not failed
 
 
@@ -98,15 +92,9 @@ def run(notebook, sources):
     ------
     NotebookFailed
         If it doesn't come to its end.
-    OSError
-        If the disk is too full to begin.
     """
     from report.execute import run_notebook
 
-    free = shutil.disk_usage(ROOT).free
-    if free < ROOM:
-        why = f"{free / 1e6:.0f} MB of disk are free, and a build needs {ROOM / 1e6:.0f} MB"
-        raise OSError(errno.ENOSPC, why, str(ROOT))
     begun = time.monotonic()
     kept = run_notebook(notebook, sources)
     same = " (unchanged, because the new ones differ in last bits only: {})"
@@ -142,7 +130,7 @@ def write_report():
     except ReportFailed as error:
         say(f"report/report.pdf left as it was: {error}")
         return 1
-    from report.site.front import moving_file
+    from report.site.machine import moving_file
     from tunneller_lib.job.atomic_write import replacement
 
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}

@@ -17,6 +17,7 @@ import typst
 from scipy.ndimage import gaussian_filter, maximum_filter, minimum_filter, uniform_filter
 
 from kit.number_format import MORE, decimals_of
+from kit.style import FONTS
 
 NUMBERS = 1e-9  # relative difference that is none
 BLUR = 2.0  # px, of a page printed at 215 dpi: what the eye takes together
@@ -179,7 +180,8 @@ def seen(difference):
 def _drawn(svg):
     """Return a drawing, a file's content, as numbers from 0 to 255 at the resolution of print."""
     page = b"#set page(width: auto, height: auto, margin: 0pt)\n#image(bytes(sys.inputs.svg))"
-    return _pixels(typst.compile(page, format="png", ppi=215, sys_inputs={"svg": svg.decode()}))
+    how = {"format": "png", "ppi": 215, "font_paths": [FONTS], "ignore_system_fonts": True}
+    return _pixels(typst.compile(page, **how, sys_inputs={"svg": svg.decode()}))
 
 
 def _pixels(content):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import typst
 
+from kit.style import FONTS
 from report.sources import ROOT, results_digest
 
 STANDARDS = ["a-2b", "ua-1"]  # to be kept: fonts, colours, date inside; and to be heard
@@ -98,6 +99,7 @@ def compile_report(root=ROOT, name="report"):
             pdf, warnings = typst.compile_with_warnings(
                 copy / "report" / f"{name}.typ",
                 root=copy,
+                font_paths=[FONTS],
                 ignore_system_fonts=True,
                 sys_inputs=inputs(root),
                 timestamp=release_date(root),

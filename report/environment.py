@@ -4,8 +4,6 @@ Needs nothing but Python's standard library. What is installed is said by enviro
 `python3 -m report.environment bench` makes another one for `make bench`, with its peers.
 """
 
-import base64
-import csv
 import ctypes
 import hashlib
 import importlib.util
@@ -68,7 +66,7 @@ class Environment:
         return hashlib.sha256(text).hexdigest()
 
     def is_whole(self):
-        """Tell whether it is what the pins want, with every file as it was installed."""
+        """Tell whether it is what the pins want, with every package as it was installed."""
         if not self.python.exists() or not self.stamp.exists():
             return False
         wanted, *packages = self.stamp.read_text().splitlines()
@@ -77,43 +75,13 @@ class Environment:
         if lost := sorted(set(packages) - set(self.packages())):
             say(f"{self.folder.name} isn't as it was set up: {', '.join(lost)} changed or missing")
             return False
-        since = self.stamp.stat().st_mtime
-        return not self.spoilt(since)
+        return True
 
     def packages(self):
         """Return the packages that are installed, as ``name-version``, without Python's own."""
         records = self.folder.glob("lib/python3*/site-packages/*.dist-info/RECORD")
         names = (record.parent.name.removesuffix(".dist-info") for record in records)
         return sorted(name for name in names if not name.startswith(("pip-", "setuptools-")))
-
-    def spoilt(self, since=0.0):
-        """Return the names of the packages that lack a file or whose file isn't as they recorded.
-
-        The sizes of all files are compared, and the contents of those changed after `since`.
-        """
-        names, read = set(), 0
-        for packages in self.folder.glob("lib/python3*/site-packages"):
-            for record in packages.glob("*.dist-info/RECORD"):
-                name = record.parent.name.partition("-")[0]
-                lines = record.read_text(encoding="utf-8").splitlines()
-                for file, sha256, size in csv.reader(lines):
-                    if not sha256:
-                        continue
-                    try:
-                        about = os.stat(packages / file)
-                    except OSError:
-                        names.add(name)
-                        continue
-                    if about.st_size != int(size):
-                        names.add(name)
-                    elif about.st_ctime > since:
-                        read += 1
-                        if f"sha256={_sha256(packages / file)}" != sha256:
-                            names.add(name)
-        # A link made in another checkout's environment changes the time, too.
-        if since and read and not names:
-            os.utime(self.stamp)
-        return sorted(names)
 
     def install(self):
         """Make it anew; the stamp comes last, so that a set-up cut short is done again."""
@@ -132,19 +100,11 @@ class Environment:
         add = [uv, "pip", "install", "--quiet", "--python", self.python]
         try:
             run(*add, *pinned, PINS)
-            # A file spoilt in one environment is spoilt in uv's store as well, which links it.
-            if spoilt := self.spoilt():
-                say(f"Fetching {', '.join(spoilt)} anew: uv kept damaged copies")
-                run(uv, "cache", "clean", "--quiet", *spoilt)
-                again = [f"--reinstall-package={name}" for name in spoilt]
-                run(*add, *again, *pinned, PINS)
         except (OSError, subprocess.CalledProcessError):
             say("uv could not; trying the slower pip")
             run(*pip, *pinned, PINS)
         if self.peers:
             run(*add, "--constraint", PINS, "--no-verify-hashes", "--group", f"{PEERS}:bench")
-        if spoilt := self.spoilt():
-            fail(f"Set-up stopped: {', '.join(spoilt)} came damaged. The next call tries again.")
         self.settle()
         # A later look asks for these packages, and leaves alone what somebody installed besides.
         self.stamp.write_text("\n".join([self.wanted(), *self.packages()]))
@@ -207,12 +167,6 @@ def _loads(library):
         return bool(ctypes.CDLL(library))
     except OSError:
         return False
-
-
-def _sha256(file):
-    with file.open("rb") as content:
-        found = hashlib.file_digest(content, "sha256").digest()
-    return base64.urlsafe_b64encode(found).rstrip(b"=").decode()
 
 
 def run(*command, **options):

@@ -7,7 +7,6 @@ Comments, docstrings and the form of the code have no meaning.
 """
 
 import ast
-import gc
 import hashlib
 import sys
 from functools import cache
@@ -22,37 +21,15 @@ PACKAGES = {
 def parsed(text):
     """Return the syntax tree of a source text without its docstrings.
 
-    A text that reads a ``__doc__`` keeps them. Trees aren't kept: those of a study take long to
-    look through for garbage, and to clear away.
+    A text that reads a ``__doc__`` keeps them.
     """
-    tree = _tree_of(text)
+    tree = ast.parse(text)
     if "__doc__" not in text:
-        for node in _statements(tree):
+        for node in ast.walk(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 if ast.get_docstring(node, clean=False) is not None:
                     del node.body[0]
     return tree
-
-
-def _tree_of(text):
-    """Return a text's syntax tree, made without looking for garbage among its many nodes."""
-    looked = gc.isenabled()
-    gc.disable()
-    try:
-        return ast.parse(text)
-    finally:
-        if looked:
-            gc.enable()
-
-
-def _statements(tree):
-    """Yield a tree and the statements in it: expressions, nearly all of a tree, hold none."""
-    inside = [tree]
-    while inside:
-        node = inside.pop()
-        yield node
-        for body in ("body", "handlers", "cases", "orelse", "finalbody"):
-            inside += getattr(node, body, ())
 
 
 @cache
@@ -125,7 +102,7 @@ class _Imports(list):
 
     def __init__(self, tree):
         statements = ast.Import | ast.ImportFrom
-        super().__init__(node for node in _statements(tree) if isinstance(node, statements))
+        super().__init__(node for node in ast.walk(tree) if isinstance(node, statements))
         self.alone = all(isinstance(node, statements) or _lists(node) for node in tree.body)
 
 

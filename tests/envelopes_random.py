@@ -8,7 +8,7 @@ import numpy as np
 
 from tunneller_lib.envelopes.adapted import adapted_frames
 from tunneller_lib.envelopes.families import channel, moving_cone, ruled
-from tunneller_lib.envelopes.triples import add, cross_product, times
+from tunneller_lib.envelopes.jet import add, cross_product, times
 
 KINDS = ("developable", "ruled", "cylinder", "channel", "pipe", "cone")
 

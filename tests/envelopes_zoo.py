@@ -7,7 +7,7 @@ import numpy as np
 
 from tunneller_lib.envelopes import families
 from tunneller_lib.envelopes.families import channel, cubic, helicoid, helix, saddle, turning
-from tunneller_lib.envelopes.triples import add, cross_product, times
+from tunneller_lib.envelopes.jet import add, cross_product, times
 
 
 def parabola(s):

@@ -122,17 +122,6 @@ def test_clearance_of_a_ball_from_many_flat_walls_is_that_from_the_nearest(sides
         assert solid_clearance(section, ball) == pytest.approx(nearest, abs=1e-14)
 
 
-@pytest.mark.parametrize("turn", [0.0, 1e-12, 1e-6, 0.3, np.pi / 2])
-def test_solid_clearance_of_a_wheel_in_the_middle(turn):
-    # About the tunnel's axis, leaning to one side: the reach to that side is the radius' cosine.
-    wheel = Rod((0, 0, 0), (0.1 * np.cos(turn), 0.1 * np.sin(turn), 0), 0.3)
-    found = solid_clearance(EGG, wheel)
-    assert found <= 0.5 - 0.3 * np.cos(turn) + 1e-15
-    points = np.concatenate([rim(end, np.subtract(wheel.b, wheel.a), 0.3)
-                             for end in np.array([wheel.a, wheel.b])])  # fmt: skip
-    assert found == pytest.approx(EGG.depth(points[:, 1], points[:, 2]).min(), abs=SAGITTA)
-
-
 def test_solid_clearance_of_more_poses_than_a_block():
     aside = np.linspace(-0.3, 0.3, 600)
     place = np.stack([0 * aside, aside, 0 * aside], axis=-1)

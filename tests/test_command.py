@@ -302,7 +302,7 @@ def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
 
 FILES = {"budget.csv", "plan.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st",
          "line.c",
-         "controller.c", "controller.h", "controller.st", "controller.xml",
+         "controller.c", "controller.h", "controller.st", "blocks.st", "controller.xml",
          "section.dxf", "wall.vtk", "wall.stl", "wall.png", "laps.png", "manifest.txt"}  # fmt: skip
 
 

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 from collections import Counter, defaultdict
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -12,13 +12,8 @@ import numpy as np
 import pytest
 
 from tests.hard_lines import FAMILIES, KINDS, shape_of
-from tunneller_lib.envelopes import hyperosculate, hyperosculating_cones, jet_variables
-from tunneller_lib.envelopes.blade import BladeRing
-from tunneller_lib.envelopes.families import cyclide
-from tunneller_lib.envelopes.hyperosculate import Cones
-from tunneller_lib.envelopes.jet import Jet
-from tunneller_lib.envelopes.pseudo import pseudo_envelope
 from tunneller_lib.kernels import compiled
+from tunneller_lib.milling.faces import BladeRing
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
 from tunneller_lib.motion.arm import weights
 from tunneller_lib.motion.plant import ValveResonance
@@ -231,44 +226,6 @@ def test_ticks_that_are_tried_again_leave_no_trace(both_ways):
     whole, again = (follow(OILY, loop, RAMP, slopes=slopes, push=push)
                     for push in (at_once, with_wrong_tries))  # fmt: skip
     assert_same_bits((whole, again))
-
-
-CONES = {
-    "space": (RING.coordinates, "space"),
-    "graph": (cyclide, "isotropic"),
-    "double cones": (pseudo_envelope(np.radians(20)), "isotropic"),
-    "plane": (lambda s, t: [s, t, s + t], "space"),
-    "half undefined": (lambda x, y: np.log(x - 0.3) * y, "isotropic"),
-}
-
-
-@pytest.mark.parametrize("name", CONES)
-def test_cones_have_the_same_bits_one_by_one_at_once_and_compiled(name, both_ways, monkeypatch):
-    surface, model = CONES[name]
-    s, t = np.random.default_rng(5).uniform(0.1, 0.5, (2, 40))
-    monkeypatch.setattr(hyperosculate, "FEW", 39)
-    jets = [Jet(variable.c.copy()) for variable in jet_variables(s, t)]
-    answer = surface(*jets)  # numpy may give another last bit to fewer points
-
-    def found(part):
-        of_part = (
-            [Jet(c.c[:, part]) for c in answer] if model == "space" else Jet(answer.c[:, part])
-        )
-        cones = hyperosculating_cones(
-            lambda s, t: of_part, s[part], t[part], half_angle=0.3, model=model
-        )
-        return [np.asarray(getattr(cones, field.name)) for field in fields(cones)]
-
-    def at_once_and_one_by_one():
-        return found(slice(None)), [found(slice(k, k + 1)) for k in range(40)]
-
-    plain, fast = both_ways(at_once_and_one_by_one)
-    for k, field in enumerate(fields(Cones)):
-        for whole, parts in (plain, fast):
-            np.testing.assert_array_equal(whole[k], plain[0][k], err_msg=field.name)
-            if field.name not in ("half_angle", "index"):
-                joined = np.concatenate([part[k] for part in parts])
-                np.testing.assert_array_equal(joined, plain[0][k], err_msg=field.name)
 
 
 TORI = {

@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial import KDTree
 
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones
-from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.isotropic import plane_to_point
+from tunneller_lib.milling.faces import BladeRing
 
 TOOL = ConePose((0.3, -0.2, 1.0), (1.0, 2.0, 2.0), 0.4, near=0.5, far=2.0)
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.004, 6)
@@ -74,22 +74,13 @@ def test_cones_are_a_sequence_of_what_the_arrays_hold():
         assert cone.verdict == ("gouges" if cones.gouges[k] else "undecided")
         assert cone.pose.far == 2 * cones.distance[k]
         assert abs(cone.pose.clearance(cone.contact)) < 1e-12 * cone.pose.far
-        # Among its planes is the surface's own at the contact.
-        n, h = cone.planes(np.linspace(0, 2 * np.pi, 100_001))
-        nearest = np.argmax(n @ cone.normal)
-        assert n[nearest] @ cone.normal == pytest.approx(1, abs=1e-8)
-        assert abs(n[nearest] @ cone.contact + h[nearest]) < 1e-3 * cone.pose.far
+        n, _ = cone.planes(np.linspace(0, 2 * np.pi, 10_001))
+        assert np.max(n @ cone.normal) == pytest.approx(1, abs=1e-6)  # the surface's own is one
     for k in (12, -13):
         with pytest.raises(IndexError):
             cones[k]
     cones.contact[-1] = np.nan  # an object doesn't change with the arrays it came from
     assert np.isfinite(cone.contact).all()
-
-
-def test_double_cone_has_its_multiplicity():
-    x = 1 / np.tan(np.radians(30))
-    cones = hyperosculating_cones(cyclide, x * 0.6, x * 0.8, half_angle=np.radians(30))
-    assert sorted(cone.multiplicity for cone in cones) == [1, 1, 1, 1, 2]
 
 
 def test_tool_reaches_from_the_contact_as_far_as_it_is_long():
@@ -121,12 +112,6 @@ def test_blade_has_its_stagger_twist_camber_and_bow(s, slope):
     np.testing.assert_allclose(z, 0.05 * np.cos(slope) * np.array([-0.5, 0, 0.5]), atol=1e-15)
     ends = 0.025 * np.sin(slope)
     np.testing.assert_allclose(arc, [-ends + bow, bow - 0.006, ends + bow], rtol=1e-12)
-
-
-@pytest.mark.parametrize("name", ["height", "chord", "camber", "bow"])
-def test_no_ring_beyond_all_proportion(name):
-    with pytest.raises(ValueError, match=rf"^{name}: must be at most 1e\+06 times the hub's rad"):
-        replace(RING, **{name: 1e20})
 
 
 def test_clearances_are_from_the_first_blade_and_both_neighbours():

@@ -375,7 +375,7 @@ def arrays_in(answer):
 
 
 WHOLE = {
-    "adapted_frames", "tilted", "mean_frame", "fit_surface", "frames_along",
+    "adapted_frames", "mean_frame", "fit_surface", "frames_along",
     "model_jet", "recognise", "GeodesicPoints.deviation", "DexelGrid",
 }  # of points that belong together, or to what has rows of its own  # fmt: skip
 

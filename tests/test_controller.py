@@ -481,7 +481,7 @@ def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised, stride):
         before, head, task = text.partition("void fb_setpoints(FB_Setpoints *c")
         task, end, behind = task.partition("\n}\n")
         task, boundaries = re.subn(r";$", "; at_boundary();", task, flags=re.M)
-        body = next(one.body for one in read_blocks(made.text) if one.name == "FB_Setpoints")
+        body = next(one.body for one in read_blocks(made.blocks) if one.name == "FB_Setpoints")
         assert boundaries == len(re.findall(r"(?<!END_IF)(?<!END_WHILE);$", body, re.M))
         text = f"static void at_boundary(void);\n{before}{head}{task}{end}{behind}"
     first = np.rint(wanted.planned.entry.setvalues[0] / wanted.planned.count).astype(int)

@@ -153,12 +153,10 @@ REFUSED = [
     ({"controller": {"operations": 1e3}}, r"^\[controller\] operations: the slow task takes "),
     ({"limits": {"feed": 0.3, "acceleration": 2.0}, "controller": {"trip": 0.05, "gain": 3.0},
       "plan": {"tick": 0.05, "count": 1.5e-7, "step": 0.02}},
-     r"^\[plan\] tick: in one a joint moves \d+ counts, and may move 65534; "),
-    # A tick just too short for a change, and more so for the ring: what is named is for both.
+     r"^\[plan\] count: in a tick a joint moves \d+, and may move 65534; .* rad would do\.$"),
+    # A tick just too short for a change of the scale by its least part, and for the ring.
     ({"limits": {"acceleration": 1e-4, "feed": 0.3}, "plan": {"tick": 2.7e-3}},
-     r"^\[plan\] tick: a change of time scale takes 1\.0\d ticks, and may take 1; "),
-    ({"limits": {"acceleration": 1e-3, "feed": 0.3}, "plan": {"tick": 0.02, "count": 2e-9}},
-     r"^\[plan\] count: the tick must be .* s, and at most .*; .* rad would do\.$"),
+     r"^\[plan\] tick: to stop takes \d+ ticks, and may take 32768; .* s would do\.$"),
 ]  # fmt: skip
 
 
@@ -200,12 +198,13 @@ def comes_to_rest(ticks, ramps, known, row):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_stopping_is_tried_as_scan_by_scan(seed):
+def test_where_a_stop_is_promised_each_stop_scan_by_scan_comes_to_rest(seed):
     rng = np.random.default_rng(seed)
     ticks = rng.integers(1, 6, 60)
     free = rng.integers(FULL // 30, FULL // 8, 60)
     ramps = np.stack([free, rng.integers(0, free + 1)], axis=1)
     each = [all(comes_to_rest(ticks.tolist(), ramps.tolist(), known, row) for row in range(60))
             for known in range(4, 60)]  # fmt: skip
-    assert [_rests(ticks, ramps, known) for known in range(4, 60)] == each
-    assert True in each and False in each
+    said = [_rests(ticks, ramps, known) for known in range(4, 60)]
+    assert not any(promised and not kept for promised, kept in zip(said, each, strict=True))
+    assert True in said and False in each and sum(each) - sum(said) < 6

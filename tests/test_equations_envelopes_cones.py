@@ -22,10 +22,9 @@ from tests.symbols_envelopes import (
     y,
 )
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones, recognise
-from tunneller_lib.envelopes.conics import cone_vertex, osculating_conic
+from tunneller_lib.envelopes.adapted import isotropic_derivatives
 from tunneller_lib.envelopes.families import moving_cone
-from tunneller_lib.envelopes.graph_forms import isotropic_derivatives
-from tunneller_lib.envelopes.isotropic import contact_point, normal
+from tunneller_lib.envelopes.isotropic import cone_vertex, contact_point, normal, osculating_conic
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
 
 READS = ["report/ledger/*"]

@@ -47,9 +47,13 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames
-from tunneller_lib.envelopes.conics import conic, osculating_conic
 from tunneller_lib.envelopes.families import moving_cone
-from tunneller_lib.envelopes.isotropic import plane_to_point, point_to_plane
+from tunneller_lib.envelopes.isotropic import (
+    conic,
+    osculating_conic,
+    plane_to_point,
+    point_to_plane,
+)
 from tunneller_lib.envelopes.jet import jet_variables
 
 READS = ["report/ledger/*"]

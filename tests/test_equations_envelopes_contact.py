@@ -26,8 +26,13 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
-from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
-from tunneller_lib.envelopes.isotropic import point_to_plane, surface_points
+from tunneller_lib.envelopes.isotropic import (
+    cone_vertex,
+    conic,
+    osculating_conic,
+    point_to_plane,
+    surface_points,
+)
 from tunneller_lib.envelopes.jet import jet_variables
 
 READS = ["report/ledger/*"]

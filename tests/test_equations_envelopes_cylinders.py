@@ -27,10 +27,9 @@ from tests.symbols_envelopes import (
     zero,
 )
 from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.forms import derivative_along
-from tunneller_lib.envelopes.graph_forms import isotropic_derivatives
+from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_derivatives, isotropic_jet
 from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point
+from tunneller_lib.envelopes.jet import derivative_along
 
 READS = ["report/ledger/*"]
 

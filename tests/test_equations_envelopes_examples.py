@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import sympy as sp
 
+from exhibits.envelope_equations import noisy_planes, tilted
 from tests.audit.long import many
 from tests.envelopes_zoo import GRID
 from tests.symbols_envelopes import (
@@ -38,7 +39,6 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import fit_surface, hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.blade import BladeRing
 from tunneller_lib.envelopes.isotropic import (
     contact_point,
     normal,
@@ -47,7 +47,7 @@ from tunneller_lib.envelopes.isotropic import (
     surface_points,
 )
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
-from tunneller_lib.envelopes.measured import mean_frame, noisy_planes, tilted
+from tunneller_lib.envelopes.measured import mean_frame
 from tunneller_lib.milling import (
     ConicalMill,
     CylinderMill,
@@ -57,6 +57,7 @@ from tunneller_lib.milling import (
     find_positions,
     strip_across,
 )
+from tunneller_lib.milling.faces import BladeRing
 
 READS = ["report/ledger/*"]
 

@@ -11,10 +11,15 @@ from tests.envelopes_zoo import CURVES, DEVELOPABLE, GRID, MOTIONS, ruled
 from tests.symbols_envelopes import ANGLE, circle_centre, example, t, zero
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames
-from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
 from tunneller_lib.envelopes.developable import osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import moving_cone
-from tunneller_lib.envelopes.isotropic import cone_planes, plane_to_point
+from tunneller_lib.envelopes.isotropic import (
+    cone_planes,
+    cone_vertex,
+    conic,
+    osculating_conic,
+    plane_to_point,
+)
 from tunneller_lib.envelopes.jet import jet_variables
 
 READS = ["report/ledger/*"]

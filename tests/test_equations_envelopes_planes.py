@@ -39,10 +39,10 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
-from tunneller_lib.envelopes.conics import cone_vertex
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
+    cone_vertex,
     contact_point,
     plane_to_point,
     point_to_plane,

@@ -27,9 +27,14 @@ from tests.symbols_envelopes import (
 )
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones, recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
-from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic
 from tunneller_lib.envelopes.developable import osculating_cone
-from tunneller_lib.envelopes.isotropic import contact_point, point_to_plane
+from tunneller_lib.envelopes.isotropic import (
+    cone_vertex,
+    conic,
+    contact_point,
+    osculating_conic,
+    point_to_plane,
+)
 from tunneller_lib.envelopes.jet import jet_variables
 
 READS = ["report/ledger/*"]

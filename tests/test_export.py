@@ -15,11 +15,11 @@ from tunneller_lib.motion.export import (
     C_MACROS,
     c99_code,
     c99_types,
+    constant_rows,
     line_c99,
     line_text,
     operations,
     read_blocks,
-    with_constants,
 )
 
 MOVES = 10_000
@@ -156,6 +156,8 @@ TYPE
         nCount : DINT;
         aPair : ARRAY [0..1] OF T_Pair;
     END_STRUCT;
+    T_Job : STRUCT
+@JOB    END_STRUCT;
 END_TYPE
 
 FUNCTION_BLOCK FB_Inner
@@ -183,6 +185,7 @@ VAR_OUTPUT
     rOut : LREAL;
 END_VAR
 VAR_EXTERNAL
+    job : T_Job;
     both : T_Shared;
 END_VAR
 VAR
@@ -211,8 +214,8 @@ FOR nFORM := 0 TO 1 DO
 END_FOR;
 inner(nBy := nIn + 1);
 bOn := (inner.nSum >= 8 AND TRUE) OR FALSE;
-rOut := ABS(DINT_TO_LREAL(TRUNC(rIn) MOD 4)) * rSmall
-    + SQRT(MIN(MAX(aTable[i MOD 3], 0.25), 4.0))
+rOut := ABS(DINT_TO_LREAL(TRUNC(rIn) MOD 4)) * job.rSmall
+    + SQRT(MIN(MAX(job.aTable[i MOD 3], 0.25), 4.0))
     - (ATAN(0.0) + ATAN2(0.0, 1.0) + SIN(0.0) + COS(0.0));
 both.nCount := both.nCount + inner.nSum;
 pair := both.aPair[0];
@@ -241,8 +244,8 @@ double run(int32_t *out, int32_t in, int32_t on, int32_t calls)
 @pytest.fixture(scope="module")
 def sample():
     """Return the sample's blocks."""
-    table = {"rSmall": 5e-05, "aTable": [9.0, -1e300, 1.0], "nUnused": 1}
-    return read_blocks(with_constants(SAMPLE, table))
+    table = {"rSmall": 5e-05, "aTable": np.array([9.0, -1e300, 1.0])}
+    return read_blocks(SAMPLE.replace("@JOB", constant_rows(table)))
 
 
 @compilers
@@ -271,12 +274,13 @@ def test_comments_are_kept(sample):
     ) in c99_code(sample)
 
 
-def test_blocks_have_the_constants_that_they_use(sample):
-    *_, inner, outer = sample
-    assert inner.rows("VAR CONSTANT") == []
-    assert [row[:3] for row in outer.rows("VAR CONSTANT")] == [
-        ("rSmall", "", "LREAL"), ("aTable", "2", "LREAL")
+def test_a_structure_of_values_is_constants(sample):
+    *_, job, _, outer = sample
+    assert job.rows("VAR CONSTANT") == [
+        ("rSmall", "", "LREAL", "5.0e-05", ""), ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", "")
     ]  # fmt: skip
+    assert "T_Job" not in c99_types(sample)
+    assert "static const double aTable[3] = {9.0, -1.0e+300, 1.0};\n" in c99_code(sample)
     assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")
 
 

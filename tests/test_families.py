@@ -25,7 +25,6 @@ from tunneller_lib.envelopes.families import (
     tangent_lines,
     turning,
 )
-from tunneller_lib.envelopes.functions import as_jet
 from tunneller_lib.envelopes.isotropic import surface_points
 from tunneller_lib.envelopes.jet import Jet
 
@@ -147,15 +146,6 @@ def test_nonsense_that_a_function_answers_is_refused_in_a_sentence(door):
 
 
 @every_door
-def test_what_is_no_function_of_so_many_variables_is_refused(door):
-    name = door.partition(",")[0]
-    wanted = "2 arguments" if name in ("surface", "f") else "one argument"
-    for given in (None, 1.0, "f", int, len, lambda: 0, lambda a, b, c: 0):
-        with pytest.raises(ValueError, match=rf"^{name}: must be a function of {wanted}; got "):
-            DOORS[door](given)
-
-
-@every_door
 def test_what_a_function_raises_itself_passes_through(door):
     def faulty(*given):
         return {}["no such key"]
@@ -173,14 +163,6 @@ def test_a_constant_that_is_no_surface_is_told_from_a_wrong_call(value):
     for asked in (curve_derivatives, tangent_planes, osculating_cone):
         with pytest.raises(ValueError, match=r"^curve: must be defined and smooth"):
             asked(lambda s: [value, s, s], S)
-
-
-@pytest.mark.parametrize("value", [0.0, -2.5, np.full(14, 0.7)], ids=["zero", "one", "many"])
-def test_a_constant_that_a_function_answers_has_no_derivatives(value):
-    s, _ = jet_variables(S, T)
-    found = as_jet(value, s)
-    np.testing.assert_array_equal(found.value, np.broadcast_to(value, S.shape))
-    assert not found.c[1:].any() and as_jet(s, s) is s
 
 
 def test_ufuncs_and_partial_functions_are_functions():

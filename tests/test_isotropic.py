@@ -2,33 +2,20 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.shapes import directions
-from tunneller_lib.envelopes.conics import cone_vertex, conic, osculating_conic, top_circle
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import cubic, helix
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_rulings,
-    normal,
+    cone_vertex,
     plane_azimuth,
     plane_to_point,
-    point_to_plane,
-    surface_points,
+    top_circle,
 )
-from tunneller_lib.envelopes.jet import jet_variables
 
 RNG = np.random.default_rng(5)
-
-
-@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
-def test_planes_come_back_from_their_points(scale):
-    n, h = directions(RNG, 500), scale * RNG.normal(size=500)
-    back, constant = point_to_plane(plane_to_point(7 * n, 7 * h))
-    np.testing.assert_allclose(back, n, atol=1e-14)
-    np.testing.assert_allclose(constant, h, rtol=1e-13)
 
 
 def test_plane_to_point_keeps_digits_near_the_one_that_has_none():
@@ -40,17 +27,6 @@ def test_plane_to_point_keeps_digits_near_the_one_that_has_none():
 def test_a_plane_without_point_is_refused(n):
     with pytest.raises(ValueError, match=r"^n: a normal must not have the direction \(0, 0, -1\)"):
         plane_to_point(n, 1e20)
-
-
-def test_surface_points_of_a_paraboloid_are_a_sphere():
-    x, y = RNG.normal(size=(2, 20))
-    m, radius = np.array([0.3, -2.0, 1.0]), 1.7
-    r = surface_points(lambda x, y: (radius + m[2]) / 2 * (x * x + y * y) - m[0] * x - m[1] * y
-                       + (radius - m[2]) / 2, x, y)  # fmt: skip
-    np.testing.assert_allclose(r, m - radius * np.stack(normal(x, y), axis=-1), atol=1e-12)
-    np.testing.assert_allclose(surface_points(lambda x, y: 0.5, 0.0, 0.0), [0, 0, -1])
-    with pytest.raises(ValueError, match=r"^f: must be defined and smooth at every place; got"):
-        surface_points(lambda x, y: np.log(x), [0.5, 0.0], 0.0)
 
 
 # ---- cones and conics -----------------------------------------------------------------------
@@ -75,17 +51,6 @@ def test_plane_azimuth_is_the_one_that_made_the_plane(half_angle):
     np.testing.assert_allclose(found, np.broadcast_to(azimuth, (50, 40)), atol=1e-11)
 
 
-@given(st.integers(0, 99), st.floats(0.01, 1.55))
-def test_top_circle_holds_the_planes_of_the_cone(seed, angle):
-    axis = directions(np.random.default_rng(seed), 3)
-    centre, radius = top_circle(7.0 * axis, angle)
-    azimuth = np.linspace(0, 6, 7)[:, None]
-    place = plane_to_point(*cone_planes((1.0, 2.0, 3.0), axis, angle, azimuth))[..., :2]
-    scale = np.abs(place).max() + np.abs(centre).max()
-    away = np.linalg.norm(place - centre, axis=-1)
-    np.testing.assert_allclose(away, radius + 0 * azimuth, rtol=1e-9, atol=1e-12 * scale)
-
-
 def test_top_circle_refuses_a_cone_with_the_plane_that_has_no_point():
     with pytest.raises(ValueError, match=r"^axis: no plane .* \(0, 0, -1\); got one\.$"):
         top_circle((0.0, 0.8, -0.6), np.arcsin(0.6))
@@ -99,21 +64,6 @@ def test_top_circle_refuses_a_cone_with_the_plane_that_has_no_point():
 def test_conics_without_a_vertex_are_refused(given, message):
     with pytest.raises(ValueError, match=message):
         cone_vertex(*given)
-
-
-def test_osculating_conic_leaves_the_graph_at_third_order():
-    def f(x, y):
-        return np.sin(x) * np.cos(2 * y) + x * y
-
-    centre = (0.4, -0.7)
-    z, a, b = osculating_conic(centre, f(*jet_variables(0.3, 0.5)))
-    gaps = []
-    for t in (1e-2, 2e-2):
-        px, py, pz = conic((0.3, 0.5, z), centre, a, b, t)
-        gaps.append(abs(pz - f(px, py)))
-    assert 7 < gaps[1] / gaps[0] < 9
-    with pytest.raises(ValueError, match=r"^f: must be a jet at one point; got one at points of"):
-        osculating_conic(centre, f(*jet_variables([0.3, 0.4], 0.5)))
 
 
 # ---- tangents of a curve --------------------------------------------------------------------

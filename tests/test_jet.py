@@ -1,4 +1,4 @@
-"""Jets against mpmath, and their inverse, composition and refusals."""
+"""Jets against mpmath, in other variables, and what they refuse."""
 
 from operator import iadd
 
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from tunneller_lib.envelopes.jet import EXPONENTS, Jet, compose, inverse, jet_variables
+from tunneller_lib.envelopes.jet import Jet, by_slopes, differentiated, exponents, jet_variables
 
 FUNCTIONS = {
     "rational": lambda m, x, y: y**2 / (x**2 + y**2),
@@ -22,7 +22,6 @@ FUNCTIONS = {
     "angle": lambda m, x, y: m.atan(3 * x - y),
     "distance": lambda m, x, y: m.hypot(x, y - 2),
 }
-FIFTH = [(5 - j, j) for j in range(6)]
 
 
 class Numpy:
@@ -34,11 +33,11 @@ class Numpy:
         return getattr(np, name)
 
 
-def exact(function, x, y, exponents):
+def exact(function, x, y, every):
     """Return derivatives by 60-digit differences in mpmath."""
     with mp.workdps(60):
         parts = [mp.diff(lambda a, b: function(mp, a, b), (mp.mpf(x), mp.mpf(y)), orders)
-                 for orders in exponents]  # fmt: skip
+                 for orders in every]  # fmt: skip
         return np.array([float(part) for part in parts])
 
 
@@ -48,11 +47,11 @@ def test_jet_has_the_derivatives_of_mpmath(name, point):
     function = FUNCTIONS[name]
     four = function(Numpy(), *jet_variables(*point))
     five = function(Numpy(), *jet_variables(*point, order=5))
-    every = [*EXPONENTS, *FIFTH]
+    every = exponents(5)
     expected = exact(function, *point, every)
     found = np.array([five.derivative(i, j) for i, j in every])
     for degree in range(6):
-        of_degree = [k for k, exponents in enumerate(every) if sum(exponents) == degree]
+        of_degree = [k for k, orders in enumerate(every) if sum(orders) == degree]
         bound = 1e-11 * np.abs(expected[of_degree]).max() + 1e-12
         assert np.abs(found - expected)[of_degree].max() <= bound
     np.testing.assert_allclose(four.c, five.c[:15], rtol=1e-12, atol=1e-12)
@@ -63,9 +62,9 @@ def test_jet_keeps_its_digits_at_any_scale(scale):
     def function(m, x, y):
         return m.sqrt((x / scale) ** 2 + (y / scale) ** 2 + 1)
 
-    expected = exact(lambda m, a, b: m.sqrt(a**2 + b**2 + 1), 0.3, -0.8, EXPONENTS)
+    expected = exact(lambda m, a, b: m.sqrt(a**2 + b**2 + 1), 0.3, -0.8, exponents(4))
     jet = function(Numpy(), *jet_variables(0.3 * scale, -0.8 * scale))
-    found = [jet.derivative(i, j) * scale ** (i + j) for i, j in EXPONENTS]
+    found = [jet.derivative(i, j) * scale ** (i + j) for i, j in exponents(4)]
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
 
 
@@ -138,27 +137,35 @@ def test_operators_in_place_make_another_jet():
     np.testing.assert_array_equal(x.c, kept)
 
 
-def test_compose_is_substitution():
-    h, k = jet_variables(np.zeros(2), np.zeros(2))
-    s, t = np.sin(h + k**2), np.exp(2 * k - h) - 1
-    f = np.cos(0.5 + h) / (2 + k)
-    composed = compose([f], s, t)[0]
-    np.testing.assert_allclose(composed.c, (np.cos(0.5 + s) / (2 + t)).c, rtol=1e-13, atol=1e-14)
-
-
-@given(st.integers(0, 10_000), st.sampled_from([1e-5, 1.0, 1e5]), st.sampled_from([15, 21]))
-def test_inverse_is_undone_by_composition(seed, scale, count):
-    c = np.random.default_rng(seed).uniform(-1, 1, (2, count, 1))
+@given(st.integers(0, 10_000), st.sampled_from([1e-5, 1.0, 1e5]), st.sampled_from([4, 5]))
+def test_a_jet_in_other_variables_is_that_of_its_function_of_them(seed, scale, order):
+    """f(x, y) is known, and so are x and y as functions of h and k, with a sound Jacobian."""
+    c = np.random.default_rng(seed).uniform(-1, 1, (2, len(exponents(order)), 1))
     c[0, 1] += 3
-    c[1, 2] += 3  # a Jacobian away from zero
-    scales = np.array([scale ** (i + j) for i, j in [*EXPONENTS, *FIFTH][:count]])[:, None]
-    x, y = Jet(c[0] / scales), Jet(c[1] / scales)
-    back = compose([x - x.value, y - y.value], *inverse(x, y))
-    for jet, place in zip(back, (1, 2), strict=True):
-        np.testing.assert_allclose(jet.c, np.eye(count)[:, [place]], atol=1e-11)
+    c[1, 2] += 3
+    x, y = (Jet((one.T / [scale ** (i + j) for i, j in exponents(order)]).T) for one in c)
+
+    def f(x, y):
+        return np.sin(0.3 * x + 0.5) / (2 + 0.2 * y)
+
+    fx = 0.3 * np.cos(0.3 * x + 0.5) / (2 + 0.2 * y)
+    fy = -0.2 * np.sin(0.3 * x + 0.5) / (2 + 0.2 * y) ** 2
+    found = by_slopes(x, y, *(Jet(slope.c[: len(exponents(order - 1))]) for slope in (fx, fy)))
+    expected = f(*jet_variables(x.value, y.value, order=order))
+    np.testing.assert_allclose(found.c[1:], expected.c[1:], atol=1e-11)
+    assert found.value == 0
 
 
-def test_inverse_is_not_finite_where_the_jacobian_vanishes():
+def test_jets_in_other_variables_are_not_finite_where_the_jacobian_vanishes():
     x, y = jet_variables([0.0, 1.0], [0.0, 1.0])
-    s, _ = inverse(x * x, y)
-    assert not np.isfinite(s.c[:, 0]).all() and np.isfinite(s.c[:, 1]).all()
+    f = by_slopes(x * x, y, 2 * x, y)
+    assert not np.isfinite(f.c[:, 0]).all() and np.isfinite(f.c[:, 1]).all()
+
+
+def test_of_two_jets_the_lower_order_is_that_of_the_result():
+    x, y = jet_variables([0.3, 0.5], [1.0, 2.0])
+    f = np.exp(x * y)
+    slope = differentiated(f, 0)
+    for found, expected in ((x * slope, x * y * f), (slope * x, x * y * f), (x - slope, x - y * f)):
+        assert found.order == 3
+        np.testing.assert_allclose(found.c, expected.c[:10], rtol=1e-13, atol=1e-14)

@@ -17,12 +17,24 @@ from tests.envelopes_random import member, near_miss, placed, window
 from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.evidence import spread_in_two, zeros
+from tunneller_lib.envelopes.evidence import (
+    RUNS,
+    RoughJet,
+    errors,
+    rough_frames,
+    spread_in_two,
+    zeros,
+)
 from tunneller_lib.envelopes.families import channel, helix, moving_cone, screwing
-from tunneller_lib.envelopes.forms import derivative_along, frobenius, frobenius_along, principal
-from tunneller_lib.envelopes.jet import EXPONENTS, Jet
+from tunneller_lib.envelopes.jet import (
+    Jet,
+    derivative_along,
+    exponents,
+    frobenius,
+    frobenius_along,
+    principal,
+)
 from tunneller_lib.envelopes.kinds import KINDS, turn_of_eq11
-from tunneller_lib.envelopes.rough import RUNS, RoughJet, errors, rough_frames, scatter
 
 EPS = np.finfo(float).eps
 POINTS = 12
@@ -63,7 +75,7 @@ def test_derivatives_along_directions_are_the_tensors(along, across):
 def test_sizes_of_derivatives_are_the_tensors_norms_over_a_width_too(degree):
     norms = np.sqrt((tensor(JET, degree) ** 2).reshape(POINTS, -1).sum(axis=1))
     np.testing.assert_allclose(frobenius(JET, degree), norms, rtol=1e-14)
-    narrow = 0.1 ** np.array([j for _, j in EXPONENTS])[:, None]  # the second variable
+    narrow = 0.1 ** np.array([j for _, j in exponents(4)])[:, None]  # the second variable
     found = frobenius_along(JET, np.zeros((POINTS, 1)), np.full((POINTS, 1), 0.1), degree)[:, 0]
     np.testing.assert_allclose(found, frobenius(Jet(JET.c * narrow), degree), rtol=1e-14)
 
@@ -87,29 +99,6 @@ def along(e, w=0):
     return derivative_along(JET, ANGLES, e, w)
 
 
-def statements(kind, size):
-    """Return both conditions as the document has them, in a frame whose plane is tangent."""
-    curvature = along(2) - 2 * size
-    if kind == "cone":
-        rho = 1 / (2 * np.tan(size))
-        fourth = rho**2 * along(4), 6 * rho * along(2, 1), 3 * (along(0, 2) - along(2))
-        return rho * along(3) + 3 * along(1, 1), sum(fourth)
-    return {
-        "ruled": (curvature, along(3)),
-        "cylinder": (curvature, along(3)),
-        "channel": (along(1, 1), along(3)),
-        "pipe": (along(1, 1), curvature),
-    }[kind]
-
-
-@every_class
-def test_conditions_are_those_of_the_document(kind, size):
-    forms = KINDS[kind].conditions(JET, OFF, size)
-    first, second = statements(kind, size)
-    np.testing.assert_allclose(forms.first(ANGLES), first, atol=1e-13)
-    np.testing.assert_allclose(forms.second(ANGLES), second, atol=1e-13)
-
-
 def worst(kind, size, jets, sizes):
     """Return by how much both conditions change, at most, over all directions (2, POINTS)."""
     around = np.linspace(0, 2 * np.pi, 181)[None]
@@ -126,7 +115,7 @@ def worst(kind, size, jets, sizes):
 @pytest.mark.parametrize("degree", [2, 3, 4])
 @every_class
 def test_errors_bound_what_wrong_coefficients_do(kind, size, degree):
-    places = [k for k, exponents in enumerate(EXPONENTS) if sum(exponents) == degree]
+    places = [k for k, exponents in enumerate(exponents(4)) if sum(exponents) == degree]
     off = np.zeros_like(JET.c)
     off[places] = OFF.c[places]
     jets = []
@@ -218,7 +207,8 @@ def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
         circle = np.stack([np.cos(turn), np.sin(turn), np.ones(20)], axis=-1) / np.sqrt(2)
         assert not spread_in_two(s, t, circle)
     assert not spread_in_two(size * np.cos(angle), 2 * size * np.sin(angle), normals)
-    assert not spread_in_two(s, s * s / size, None)
+    for nearly in (0.0, 1e-5):  # a parabola, and a band about it that is as narrow
+        assert not spread_in_two(s, s * s / size + nearly * t, None)
 
 
 # ---- random rounding ------------------------------------------------------------------------
@@ -251,14 +241,6 @@ def test_errors_of_a_torus_are_some_hundreds_of_roundings(order):
     bends = off.c[3:6].max(axis=0)  # of the curvatures
     assert off.c.shape[1] == len(s) and np.all(bends > EPS * size / 10)
     assert np.median(bends) < 500 * EPS * size
-
-
-def test_errors_are_ten_times_the_greatest_deviation_and_a_rounding():
-    runs = np.arange(RUNS, dtype=float)[None, :, None] + np.zeros((15, 1, 4))
-    middle = (RUNS - 1) / 2
-    off = errors(RoughJet(runs.reshape(15, -1), None)).c
-    np.testing.assert_allclose(off, 10 * middle + EPS * middle, rtol=1e-15)
-    np.testing.assert_allclose(scatter(runs[0].repeat(2, axis=1).reshape(-1, 2)), 10 * middle)
 
 
 # ---- sizes that stand still over the surface ------------------------------------------------

@@ -11,7 +11,6 @@ from exhibits.groove_plot import draw_passes
 from kit import figure
 from tests.shapes import log_uniform
 from tunneller_lib.removal.volume import (
-    _less_sine,
     advance_for_volume,
     bowl,
     groove_area,
@@ -55,14 +54,6 @@ def test_groove_area_keeps_its_digits(share):
         assert np.isclose(groove_area(1, share), float(expected), rtol=2e-15)
 
 
-@pytest.mark.parametrize("x", [1e-9, 1e-3, 0.1, 0.5, 0.9, 0.999999, 1.0, 1.000001, 2.0, 6.0])
-def test_angle_less_its_sine_keeps_its_digits(x):
-    """From the series below 1, which cancels nothing, and from the difference above."""
-    with mp.workdps(60):
-        expected = float(mp.mpf(x) - mp.sin(mp.mpf(x)))
-    assert _less_sine(np.array(x)) == pytest.approx(expected, rel=2e-15, abs=0)
-
-
 @given(st.floats(0.01, 1), st.floats(0.01, 3), st.floats(1.0001, 30))
 def test_removed_volume_behind_a_concave_wall(share, pitch, wall):
     # Over the strip between two passes: how far the ball reaches beyond the wall's circle.
@@ -98,8 +89,6 @@ def test_advance_for_volume_is_the_inverse(volume, depth):
 def test_wrong_cuts_are_refused():
     for message, call in {
         "advance: must lie between 0 and 2 m; got 2.1": lambda: half_lens(1, 2.1),
-        "depth: must be at most the radius 1 m": lambda: groove_area(1, 1.1, pitch=1),
-        "pitch: must be above 0; got 0": lambda: groove_area(1, 0.1, pitch=0),
         "wall: must be above the cutter's radius": lambda: removed_volume(1, 1, 0.1, wall=0.8),
         "depth: must be above 0": lambda: advance_for_volume(1, 1, 0),
         "volume: must be removed by an advance": lambda: advance_for_volume(1, 1, 1e-200),

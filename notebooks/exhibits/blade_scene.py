@@ -62,7 +62,7 @@ def each_tool_picture(ring, cones, verdicts, towards, away):
     for k, verdict in enumerate(verdicts):
         only = np.arange(len(cones)) == k
         plotter = tools_scene(ring, cones, only, verdicts, towards, away)
-        plotter.window_size = [1200, 1050]
+        plotter.window_size = [2000, 1750]
         letters = {f"{chr(97 + k)}  {verdict}": (amid, (0, 0))}
         view = {"direction": FROM_OUTSIDE, "zoom": 1.2}
         views.append(scene.shoot(plotter, **view, letters=letters, width=5))

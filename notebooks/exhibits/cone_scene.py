@@ -39,7 +39,7 @@ def moving_cone_picture(cone, turn, shift):
         foot = np.array(cone.vertex) + end
         scene.put(plotter, scene.arrow(foot, speed, 0.025), "correct")
         scene.put(plotter, scene.arrow(foot, speed @ axis * axis, 0.04), "error")
-    return scene.shoot(plotter, direction=FROM_THE_SIDE)
+    return scene.shoot(plotter, direction=FROM_THE_SIDE, width=5)
 
 
 def _characteristic(cone, turn, shift):
@@ -67,7 +67,7 @@ def cone_on_sheet_picture(sheet, cone, touched, direction):
     plotter = scene.on_sheet(sheet, 0.9)
     scene.put(plotter, scene.surface(cone.mesh(m=361)), "cone", opacity=0.45)
     scene.put(plotter, scene.curve(touched, 0.03), "chord")
-    return scene.shoot(plotter, direction=direction, zoom=1.5)
+    return scene.shoot(plotter, direction=direction, zoom=1.5, width=5)
 
 
 def cone_in_the_model_picture(cone):
@@ -95,7 +95,7 @@ def _with_normals(cone, n):
     feet = np.array(cone.vertex) + 1.2 * cone_rulings(cone.axis, cone.half_angle, ROUND)
     for foot, direction in zip(feet[::60], 0.5 * n[::60], strict=True):
         scene.put(plotter, scene.arrow(foot - direction, direction, 0.014), "error")
-    return scene.shoot(plotter, direction=FROM_ABOVE)
+    return scene.shoot(plotter, direction=FROM_ABOVE, width=5)
 
 
 def _on_the_sphere(n, top):
@@ -106,7 +106,7 @@ def _on_the_sphere(n, top):
     scene.put(plotter, scene.curve(top, 0.025), "top view")
     for one in n[::180]:
         scene.put(plotter, scene.curve([(0, 0, -1), one], 0.008), "chord")
-    return scene.shoot(plotter, direction=(1, -1.6, 0.35))
+    return scene.shoot(plotter, direction=(1, -1.6, 0.35), width=5)
 
 
 def _over_its_circle(points, top):
@@ -115,7 +115,7 @@ def _over_its_circle(points, top):
     scene.put(plotter, scene.curve(top, 0.025), "top view")
     for foot, point in zip(top[::60], points[::60] + 1e-9, strict=True):
         scene.put(plotter, scene.curve([foot, point], 0.006), "chord")
-    return scene.shoot(plotter, direction=FROM_ABOVE)
+    return scene.shoot(plotter, direction=FROM_ABOVE, width=5)
 
 
 def osculating_cone_picture(sheet, cone, ruling, corner):

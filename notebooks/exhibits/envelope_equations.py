@@ -1,6 +1,8 @@
-"""The document's Eq. 4, term by term, as it is printed and as it is mended."""
+"""The document's Eq. 4, term by term, as printed and as mended, and the noise of Example 32."""
 
 import numpy as np
+
+from tunneller_lib.envelopes.isotropic import normal, surface_points
 
 
 def eq04_terms(f, *, printed=False):
@@ -29,3 +31,46 @@ def eq04_terms(f, *, printed=False):
         n**2 * a**3,
     ]
     return np.stack(terms)
+
+
+def tilted(n, turn, rng):
+    """Return unit normals (..., 3), each turned in a random direction as Example 32 turns them.
+
+    The `turn` is the document's r, the tangent of the angle.
+    """
+    # A normally distributed vector has no preferred direction, nor has its product about n.
+    aside = np.cross(rng.normal(size=n.shape), n)
+    n = n + turn * aside / np.linalg.norm(aside, axis=-1, keepdims=True)
+    return n / np.linalg.norm(n, axis=-1, keepdims=True)
+
+
+def noisy_planes(f, place, rng, *, turn, count, reach):
+    """Return contact points of a graph's planes about a place, and their normals with noise.
+
+    Parameters
+    ----------
+    f : callable
+        Of x and y, in m.
+    place : (2,) float
+        The middle of the disk of the model over which the planes lie.
+    rng : numpy.random.Generator
+        Draws places and turns.
+    turn : float
+        Of each normal, as for `tilted`.
+    count : int
+        How many planes.
+    reach : float
+        Radius of the disk.
+
+    Returns
+    -------
+    contact : (count, 3) float
+        Where the planes touch the surface before they turn, in m.
+    n : (count, 3) float
+        Unit normals.
+    """
+    angle = 2 * np.pi * rng.random(count)
+    away = reach * np.sqrt(rng.random(count))
+    x, y = np.array(place)[:, None] + away * np.array([np.cos(angle), np.sin(angle)])
+    n = np.stack(normal(x, y), axis=-1)
+    return surface_points(f, x, y), tilted(n, turn, rng)

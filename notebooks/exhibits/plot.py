@@ -20,7 +20,7 @@ def equal(ax, xlabel, ylabel):
 def draw_pictures(axes, pictures, titles):
     """Put pictures (n, m, 3), such as those of scenes, on as many axes, each with its title."""
     for ax, picture, title in zip(axes.flat, pictures, titles, strict=True):
-        ax.imshow(picture[::2, ::2], interpolation="none")  # at about the printed resolution
+        ax.imshow(picture, interpolation="none")
         ax.set_title(title)
         ax.axis("off")
 

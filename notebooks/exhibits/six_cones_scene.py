@@ -90,7 +90,8 @@ def cones_at_contact_picture(sheet, cones):
         scene.put(plotter, _piece(cones, k, along, spread), "cone", opacity=0.6)
         scene.put(plotter, scene.ball(cones.contact[k], size / 45), "error")
         up = side * cones.normal[k]
-        pictures.append(scene.shoot(plotter, direction=aslant + up, up=up, zoom=1.0))
+        view = {"direction": aslant + up, "up": up, "zoom": 1.0}
+        pictures.append(scene.shoot(plotter, **view, width=5))
     return scene.rows(pictures)
 
 
@@ -190,7 +191,7 @@ def noisy_cones_picture(sheet, contact, n, cones, noisy):
     points = plane_to_point(n @ top.T, -np.sum(n * (contact - here), axis=-1))
     plotter = scene.empty()
     near = points[np.hypot(*points[:, :2].T) < 0.5]
-    look = {"render_points_as_spheres": True, "point_size": 9}
+    look = {"render_points_as_spheres": True, "point_size": 6}
     scene.put(plotter, near, "design surface", **look)
     for arc in _arcs_seen(cones, top, here):
         scene.put(plotter, scene.curve(arc, 0.004), "cone")
@@ -198,7 +199,7 @@ def noisy_cones_picture(sheet, contact, n, cones, noisy):
         for i in range(0, len(arc) - 5, 10):
             part = scene.curve(arc[i : i + 5], 0.006)
             scene.put(plotter, part, "tangent sphere")
-    model = scene.shoot(plotter, direction=(0.5, -1, 1.2), zoom=1.0)
+    model = scene.shoot(plotter, direction=(0.5, -1, 1.2), zoom=1.0, width=8)
 
     plotter = scene.on_sheet(sheet, 0.5)
     _rods(plotter, cones, np.ones(len(cones)))
@@ -212,7 +213,7 @@ def noisy_cones_picture(sheet, contact, n, cones, noisy):
     scene.put(plotter, _wall(noisy[same], 0, 1.4), "tangent sphere", opacity=0.2)
     across = np.cross(cones.normal[0], cones.axis[best])
     above = cones.side[best] * cones.normal[0]
-    space = scene.shoot(plotter, direction=0.4 * across + above, zoom=1.0)
+    space = scene.shoot(plotter, direction=0.4 * across + above, zoom=1.0, width=8)
     return scene.side_by_side(model, space)
 
 

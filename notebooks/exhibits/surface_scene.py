@@ -7,8 +7,12 @@ import numpy as np
 from kit import scene
 from tunneller_lib.envelopes import adapted_frames, hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.adapted import frames_along
-from tunneller_lib.envelopes.conics import conic, osculating_conic
-from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
+from tunneller_lib.envelopes.isotropic import (
+    conic,
+    osculating_conic,
+    plane_to_point,
+    surface_points,
+)
 
 ROUND = np.linspace(0, 2 * np.pi, 361)  # rad about an axis
 
@@ -43,7 +47,7 @@ def tangent_planes_picture(surface, line, places, direction):
     frames = frames_along(surface, line, places)
     for middle, (ahead, across, _) in zip(frames.contact, frames.axes, strict=True):
         scene.put(plotter, scene.rectangle(middle, 0.3 * across, 0.12 * ahead), "plane")
-    return scene.shoot(plotter, direction=direction)
+    return scene.shoot(plotter, direction=direction, width=8)
 
 
 def ring_on_graph_picture(f, place, centre):

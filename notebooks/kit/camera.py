@@ -20,7 +20,8 @@ from .style import COLOURS, STYLE, TEXT_WIDTH
 
 ASLANT = 1.0, -1.5, 0.8  # towards the camera
 UP = 0.0, 0.0, 1.0
-MARGIN = 30  # px of white left around a picture
+MARGIN = 1 / 80  # of a window's width: white that is left around a picture
+BESIDE_OTHERS = 0.7  # of a window for pictures up to half as wide as the text
 WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
 LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
 BESIDE = 2.5  # letters' sizes; from what is farther away a line leads to its letter
@@ -42,7 +43,8 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
         What is written over the picture: each text, as matplotlib sets it, with the point in the
         scene that it names and its way from there, to the right and up in sizes of the letters.
     width : float
-        Of the picture on paper, in cm, where letters have the size of those in drawings.
+        Of the picture on paper, in cm, where letters have the size of those in drawings; up to
+        half of the text's the window is smaller, for no paper shows more.
 
     Returns
     -------
@@ -51,6 +53,8 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
     """
     if direction is not None:
         look(plotter, direction, up, zoom)
+    if width <= TEXT_WIDTH / 2:
+        plotter.window_size = [round(BESIDE_OTHERS * size) for size in plotter.window_size]
     pixels = plotter.screenshot(return_img=True)
     if letters:
         pixels = _lettered(plotter, pixels, letters, LETTER / width * crop(pixels).shape[1])
@@ -105,9 +109,10 @@ def crop(pixels):
         return pixels
     rows = np.flatnonzero(drawn.any(axis=1))
     columns = np.flatnonzero(drawn.any(axis=0))
-    top = max(rows[0] - MARGIN, 0)
-    left = max(columns[0] - MARGIN, 0)
-    return pixels[top : rows[-1] + MARGIN + 1, left : columns[-1] + MARGIN + 1]
+    margin = round(MARGIN * pixels.shape[1])
+    top = max(rows[0] - margin, 0)
+    left = max(columns[0] - margin, 0)
+    return pixels[top : rows[-1] + margin + 1, left : columns[-1] + margin + 1]
 
 
 def live(plotter, title):

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from .camera import live, refill, shoot
 from .record import moved_preview, preview
+from .style import TEXT_WIDTH
 
 SWEEPS = itertools.count(1)
 ROOM = 0.05, 0.03, 0.92, 0.94  # left, bottom, width and height of what drawings first fill
@@ -47,8 +48,8 @@ def sliders(draw, *, alt="", **ranges):
         controls = {name: _slider(name, *limits) for name, limits in ranges.items()}
         _show(ipywidgets.VBox([*controls.values(), *moved(draw, first, alt, controls)]))
     elif alt:
-        picture = first if isinstance(first, Figure) else shoot(first, direction=None)
-        _show(preview(picture, alt))
+        half = {"direction": None, "width": TEXT_WIDTH / 2}
+        _show(preview(first if isinstance(first, Figure) else shoot(first, **half), alt))
     return first
 
 

@@ -16,7 +16,7 @@ import matplotlib
 import numpy as np
 import PIL.Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.mathtext import MathTextParser
+from matplotlib.figure import Figure
 
 from tunneller_lib.arguments import shown
 from tunneller_lib.job.atomic_write import replacement
@@ -27,7 +27,8 @@ from .number_format import cell, decimals_of, exponent, number, significant, ste
 CHECKOUT = Path(__file__).resolve().parents[2]
 PREVIEW = 800  # px, the width of a figure shown in a notebook
 CLOSE = 1e-6  # relative difference below which no order is recorded
-MATHTEXT = MathTextParser("path")  # one for all drawings: it remembers what it has set
+# One for all drawings, as this matplotlib has it: it remembers what it has set.
+MATHTEXT = FigureCanvasAgg(Figure()).get_renderer().mathtext_parser
 MOVED = {"format": "png", "compress_level": 1}  # of pictures that the next one replaces
 PRINTED = 1950  # px, the width of the text, 16.4 cm, at 300 dpi
 # The lowest two bits of a colour, which nobody sees, are noise in a shaded scene: with all of them
@@ -276,8 +277,8 @@ def _file_name(name):
 def drawing_svg(figure):
     """Return a drawing as the bytes of a file, in SVG, its places to a hundredth of a point."""
     content = io.StringIO()
-    # Text as outlines, and nothing that names the day or the run: the same bytes each time.
-    with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "tunneller"}):
+    # Text as such, for search, and nothing that names the day or the run: the same bytes each time.
+    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "tunneller"}):
         # The resolution is that of clouds of points, which a drawing may ask to be rasterized.
         figure.savefig(content, format="svg", dpi=300, metadata={"Date": None, "Creator": None})
     names = {}

@@ -1,8 +1,11 @@
 """One look for all drawings: the report's width, its text size, a colour for each thing."""
 
+from pathlib import Path
+
 import matplotlib
 from matplotlib.figure import Figure
 
+FONTS = Path(matplotlib.get_data_path()) / "fonts" / "ttf"  # of text in drawings, pinned with it
 TEXT_WIDTH = 16.0  # cm, of the report
 
 # Colours that stay apart for the colour-blind (Okabe and Ito, some darkened); what is compared
@@ -45,7 +48,9 @@ STYLE = {
     "legend.fontsize": 8,
     "xtick.labelsize": 8,
     "ytick.labelsize": 8,
-    "mathtext.fontset": "cm",
+    # Not "cm": its letters aren't at their places of Unicode, so a search for a φ finds none.
+    "mathtext.fontset": "stix",
+    "font.sans-serif": ["DejaVu Sans", "Verdana"],  # as wide, where a reader lacks the first
     "axes.linewidth": 0.6,
     "axes.spines.top": False,
     "axes.spines.right": False,

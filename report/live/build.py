@@ -96,8 +96,15 @@ class LivePages:
         for address, title in TOOLS:
             own = f"live/{address.removesuffix('.html')}.js"
             body = (HERE / address).read_text()
-            found.page(address, title, body, kind="tool", more_scripts=("live/job.js", own))
+            found.page(
+                address,
+                title,
+                body,
+                kind="tool",
+                more_scripts=("live/job.js", "live/sketch.js", own),
+            )
             found.write(own, (HERE / Path(own).name).read_bytes())
+        found.write("live/sketch.js", (HERE / "sketch.js").read_bytes())
         job = (ROOT / "notebooks" / "reference.toml").read_text()
         found.write("live/job.js", f"window.referenceJob = {json.dumps(job)};\n")
 

@@ -18,7 +18,7 @@
     return Object.fromEntries(fields.map(({ name, value }) => [name, +value]));
   }
 
-  function show(found) {
+  function show([found, paths]) {
     const table = document.createElement("table");
     for (const [name, value] of Object.entries(found)) {
       const row = table.insertRow();
@@ -29,6 +29,7 @@
       row.insertCell().append(Object.assign(document.createElement("code"), { textContent: value }));
     }
     answer.replaceChildren(table);
+    drawPaths(answer, paths);
   }
 
   function refuse(error) {

@@ -77,27 +77,55 @@
     showForm();
   }
 
+  // A number of a job, an angle in radians; NaN where it has none.
+  function numberOf(job, table, name) {
+    const line = lineOf(job, { table, name });
+    if (!line || line.off) return NaN;
+    return line.value * (line.name === name ? 1 : Math.PI / 180);
+  }
+
   // ---- the form: a field for each line of the reference job, with that line's words
   const fields = [];
+  const sketch = document.getElementById("sketch");
+  const unit = /^([^,]{1,8}|whole number), /;
 
   function field(known) {
     const label = document.createElement("label");
     const name = document.createElement("span");
     const input = document.createElement("input");
     const words = document.createElement("small");
+    const measure = document.createElement("i");
     const example = known.value.replaceAll('"', "");
     Object.assign(input, { type: "text", spellcheck: false, name: `${known.table}.${known.name}` });
     input.addEventListener("change", () => put(known, input.value.trim()));
+    for (const kind of ["focus", "blur"]) input.addEventListener(kind, () => point(known, kind === "focus"));
     fields.push((job) => {
       const line = lineOf(job, known);
-      name.textContent = line?.name || known.name;
-      const inRadians = name.textContent !== known.name;
-      words.textContent = inRadians ? known.words.replace(/^deg/, "rad") : known.words;
+      const inRadians = line && line.name !== known.name;
+      const called = inRadians ? known.words.replace(/^deg/, "rad") : known.words;
+      const [, measured = ""] = (!known.value.startsWith('"') && unit.exec(called)) || [];
+      name.textContent = bare(known.name).replace("theta", "θ").replace("phi", "φ").replaceAll("_", " ");
+      words.textContent = measured ? called.slice(measured.length + 2) : called;
+      measure.textContent = measured;
       input.placeholder = `e.g. ${inRadians ? +((+example * Math.PI) / 180).toPrecision(3) : example}`;
       input.value = line && !line.off ? line.value.replace(/^(["'])(.*)\1$/, "$2") : "";
     });
-    label.append(name, input, words);
+    label.append(name, input, measure, words);
     return label;
+  }
+
+  // Show in the drawing what a field is.
+  function point({ table, name }, here) {
+    for (const text of sketch.querySelectorAll("text")) {
+      text.classList.toggle("here", here && [bare(name), `${table}.${name}`].includes(text.dataset.name));
+    }
+  }
+
+  function drawForm(job) {
+    const numbers = SIZES.map((name) => [name, numberOf(job, "machine", name)]);
+    const shape = lineOf(job, { table: "section", name: "shape" })?.value.slice(1, -1);
+    const size = { egg: "a", circle: "radius" }[shape];
+    drawMachine(sketch, { ...Object.fromEntries(numbers), [size]: numberOf(job, "section", size) });
   }
 
   // A table that a job may lack is shut until the job has it.
@@ -119,6 +147,7 @@
   function showForm() {
     const job = parsed(text.value);
     for (const show of fields) show(job);
+    drawForm(job);
   }
 
   // ---- a job from a file: chosen, or dropped on the page

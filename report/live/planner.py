@@ -10,10 +10,11 @@ from exhibits.machine_plot import draw_limits
 from kit import COLOURS, figure
 from tunneller_lib import __main__ as command
 from tunneller_lib.job.wall_plot import write_drawing
-from tunneller_lib.paths import geodesic_direct, geodesic_inverse
+from tunneller_lib.paths import CHORD_PATHS, geodesic_direct, geodesic_inverse, path_length
 from tunneller_lib.surfaces import Torus
 
 HERE = Path("/planned")
+DRAWN = 61  # places of a path in a drawing
 draw_wall = command.draw_wall
 
 
@@ -71,7 +72,7 @@ def cut(text, name):
 
 
 def geodesic_of(asked):
-    """Return a geodesic's numbers as texts with all digits that they have.
+    """Return a geodesic's numbers as texts with all digits that they have, and paths to draw.
 
     Parameters
     ----------
@@ -83,21 +84,34 @@ def geodesic_of(asked):
     -------
     numbers : dict of str to str
         By names with their units.
+    paths : dict of str to list
+        Joint positions in degrees along the geodesic and what stands in for it, by name.
     """
     torus = Torus(r=asked["r"], R=asked["R"])
     start = np.radians([asked["theta"], asked["phi"]])
     if "length" in asked:
-        way = geodesic_direct(torus, start, np.radians(asked["azimuth"]), asked["length"])
+        azimuth = np.radians(asked["azimuth"])
+        way = geodesic_direct(torus, start, azimuth, asked["length"], DRAWN)
         theta, phi = np.degrees(way.position[-1])
         numbers = {"theta at the end / deg": theta, "phi at the end / deg": phi}
         numbers["azimuth at the end / deg"] = np.degrees(way.azimuth[-1])
-        return {name: repr(float(value)) for name, value in numbers.items()}
-    found = geodesic_inverse(torus, start, np.radians([asked["theta2"], asked["phi2"]]))
-    numbers = {
-        "length / m": found.length,
-        "azimuth at the start / deg": np.degrees(found.azimuth1),
-        "azimuth at the end / deg": np.degrees(found.azimuth2),
-        "Clairaut's constant / m": found.clairaut,
-    }
-    words = {"kind": str(found.kind), "certificate": str(found.certificate)}
-    return {name: repr(float(value)) for name, value in numbers.items()} | words
+        words = {}
+    else:
+        found = geodesic_inverse(torus, start, np.radians([asked["theta2"], asked["phi2"]]))
+        way = found.points(DRAWN)
+        numbers = {
+            "length / m": found.length,
+            "azimuth at the start / deg": np.degrees(found.azimuth1),
+            "azimuth at the end / deg": np.degrees(found.azimuth2),
+            "Clairaut's constant / m": found.clairaut,
+        }
+        words = {"kind": str(found.kind), "certificate": str(found.certificate)}
+    paths, ends = {"geodesic": way.position}, way.position[[0, -1]]
+    for name in ("projected chord", "corrected chord"):
+        try:
+            numbers[f"{name}, length / m"] = path_length(torus, CHORD_PATHS[name], *ends)
+            paths[name] = CHORD_PATHS[name](torus, *ends, np.linspace(0, 1, DRAWN))
+        except ValueError:  # none joins these ends
+            continue
+    texts = {name: repr(float(value)) for name, value in numbers.items()} | words
+    return texts, {name: np.degrees(path).tolist() for name, path in paths.items()}

@@ -68,7 +68,6 @@ for name, content in stand_ins.items():
 # ruff: noqa: E402 - after what stands in for IPython
 import js
 import numpy as np
-from matplotlib.mathtext import MathTextParser
 from pyodide.ffi import to_js
 
 from kit import record
@@ -77,7 +76,6 @@ from report.live.javascript import Untranslated, script, take_back
 from tunneller_lib.kernels import compiled
 
 record.MOVED = {"format": "bmp"}  # to pack a picture takes a tenth of the time to draw it
-record.MATHTEXT = MathTextParser("agg")  # as Pyodide's matplotlib 3.10 wants it; ours is 3.11
 
 
 @cache

@@ -34,13 +34,15 @@ ONLY_MATH = re.compile(r"<(a|th)\b([^>]*)>\s*(<math\b(?:(?!</math>).)*</math>)\s
 INLINE_MATH = re.compile(r'(<math(?![^>]*display="block")\b.*?</math>)([.,;:)]*)', re.S)
 LONG = 25  # letters of a formula
 HEADING = re.compile(r'(<h[2-4][^>]*\bid="([^"]+)"[^>]*>)(.*?)(</h[2-4]>)', re.S)
+BUILD = "library"  # the page of the guide with how to install it, and ten lines
 PLACES = [
     ("Chapters", "chapters/00_index.html"),
     ("Report", "report.html"),
     ("Supplement", "supplement.html"),
     ("Verdicts", "supplement.html#verdicts"),
+    ("Words", "supplement.html#glossary"),
     ("Library", "library/index.html"),
-    ("Guide", "guide/command.html"),
+    ("Build", f"guide/{BUILD}.html"),
 ]
 GUIDE = ROOT / "report" / "guide"
 
@@ -172,12 +174,12 @@ def colours(name):
 
 def add_front(site, chosen):
     """Write the first page, and its small pictures."""
-    tool, by = ("planner.html", "a form") if site.live else ("library/index.html", "the library")
+    form = ", or in the planner's form" if site.live else ""
     moved = "pictures to move and " if site.live else ""
     doors = [
         ("Read", "report.html", "the article: what was claimed, and what came out"),
         ("Play", page_name(chosen[0]), f"chapters with one question each, {moved}scenes to turn"),
-        ("Build", tool, f"plan and simulate a cut of your own, with {by} or from a file"),
+        ("Build", f"guide/{BUILD}.html", f"install it; plan a cut of your own in ten lines{form}"),
     ]
     body, pictures = front_page(chosen, doors)
     site.page("index.html", "The open tunneller study", body, kind="front")
@@ -305,7 +307,7 @@ def add_guide(site):
         ]
         site.page(
             f"guide/{path.stem}.html", titles[path], markdown(text, led), kind="guide",
-            here="guide/command.html", near=("Guide", contents),
+            here=f"guide/{BUILD}.html", near=("Guide", contents),
         )  # fmt: skip
 
 

@@ -2,11 +2,11 @@
 
 A changed module reaches the tests and notebooks that import it, directly or through others, and
 its own doctests. A changed file, or module, reaches the tests that say that they read it, in a list
-`READS`, and a table the notebooks that name it. Where only docstrings of a module changed, nothing
-is reached through imports; where only comments or form did, nothing at all but the linter. A
-notebook of which only text changed isn't run: it counts as the file "NAME.ipynb text", which
-"notebooks/*" matches, and "notebooks/*.ipynb", the list of tests that read its code, doesn't.
-Changes count against the last commit, or against another: `make check SINCE=main`.
+`READS`, and a table the notebooks that name it. Where only docstrings, comments or form of a module
+changed, nothing is reached through imports. A notebook of which only text changed isn't run: it
+counts as the file "NAME.ipynb text", which "notebooks/*" matches, and "notebooks/*.ipynb", the list
+of tests that read its code, doesn't. Changes count against the last commit, or against another:
+`make check SINCE=main`.
 """
 
 import ast
@@ -47,34 +47,19 @@ def changed(since):
     return set(known.splitlines()) | set(new.splitlines())
 
 
-def since_then(what, names, since):
-    """Return the names of the modules of which something is not what it was at a commit.
-
-    Parameters
-    ----------
-    what : function
-        It makes something of a source text: its `meaning`, or all of it but comments.
-    names : set of str
-        Of modules, from the checkout's folder.
-    since : str
-        The commit.
-    """
+def other_code(names, since):
+    """Return the names of the modules whose code, their `meaning`, isn't that of a commit."""
 
     def differs(name):
         before = git("show", f"{since}:{name}")
         if before is None or not (ROOT / name).exists():
             return True
         try:
-            return what(before) != what((ROOT / name).read_text(encoding="utf-8"))
+            return meaning(before) != meaning((ROOT / name).read_text(encoding="utf-8"))
         except SyntaxError:
             return True
 
     return {name for name in names if differs(name)}
-
-
-def without_comments(text):
-    """Return a source text as it is parsed, docstrings included."""
-    return ast.dump(ast.parse(text))
 
 
 def only_text(name, since):
@@ -109,10 +94,9 @@ def reached(names, since="HEAD"):
     if names & set(GROUND):
         return ["notebooks", "report/tests", "tests", "tunneller_lib"]
     python = {name for name in names if name.endswith(".py")}
-    said = since_then(without_comments, python, since)
+    code_changed = other_code(python, since)
     prose = {name for name in names if name.endswith(".ipynb") and only_text(name, since)}
-    names = names - python - prose | said | {f"{name} text" for name in prose}
-    python, code_changed = said, since_then(meaning, said, since)
+    names = names - prose | {f"{name} text" for name in prose}
     # Data of the library come with the modules that read them.
     code_changed |= {name for name in names - python if name.startswith("tunneller_lib/")}
 

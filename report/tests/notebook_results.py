@@ -5,19 +5,15 @@ which depend on the processor. Figures are compared as files, not as outputs. A 
 build has run here isn't run again while its sources and its results are those of that build.
 """
 
-import functools
 import math
-from contextlib import ExitStack
 from pathlib import Path
 from queue import Empty
 from tempfile import TemporaryDirectory
 
 import pytest
-from _pytest.runner import runtestprotocol
 from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
-from report.kernels import shared_imports
 from report.sources import is_run, notebook_sources, records
 from report.state import State
 
@@ -28,34 +24,6 @@ def _elsewhere(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TUNNELLER_RESULTS", str(tmp_path_factory.getbasetemp() / "results"))
         yield
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_protocol(item, nextitem):
-    """Run a test in a worker, which tells of it once: its set-up, start and end say nothing more.
-
-    Of ten thousand tests each message takes the two processes' time.
-    """
-    if not hasattr(item.config, "workerinput"):
-        return None
-    for report in runtestprotocol(item, log=False, nextitem=nextitem):
-        if report.when == "call" or not report.passed:
-            item.ihook.pytest_runtest_logreport(report=report)
-    return True
-
-
-@functools.cache
-def share_imports(config):
-    """Let the kernels of this process share what they import, from now on."""
-    stack = ExitStack()
-    stack.enter_context(shared_imports())
-    config.add_cleanup(stack.close)
-
-
-@pytest.fixture(scope="session")
-def shared_kernels(pytestconfig):
-    """Kernels that share what they import."""
-    share_imports(pytestconfig)
 
 
 def pytest_collect_file(file_path, parent):
@@ -125,7 +93,6 @@ class Notebook(IPyNbFile):
         self.results = TemporaryDirectory()
         if self.built:
             return
-        share_imports(self.config)
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("TUNNELLER_RESULTS", self.results.name)
             patch.setenv("PYVISTA_JUPYTER_BACKEND", "static")  # a scene's picture, as it is stored

@@ -18,6 +18,20 @@ COUNTS = (
     "two three four five six seven eight nine ten eleven twelve "
     "twice half double triple tenfold twentyfold hundredfold"
 ).split()
+# What the name of a record says of its number, and how the number's sentence may say it.
+CONDITIONS = {
+    "median": "medians?",
+    "least": "least|from to",
+    "greatest|largest": "greatest|largest|from to|up to",
+    **{
+        word: word
+        for word in (
+            "worst rms t0 t1 t2 t3 first radius raised equal unequal constant adaptive oil "
+            "concrete mortar invert roof random pose knots"
+        ).split()
+    },
+}
+SMALL = "the and for with from its over all than that whose".split()  # words that bind nothing
 # What compares or counts and is no result, with the reason.
 FREE = {
     r"\bthe worse of (both|the two joints)\b": "says which of two values is drawn",
@@ -56,10 +70,40 @@ def captions(text):
     return [bracketed(text, place.end()) for place in CAPTION.finditer(text)]
 
 
-def worded(sentence):
+def worded(sentence, formula=" N "):
     """Return the words of a sentence, without calls, labels and code; a formula is N."""
     words = re.sub(r"//[^\n]*|`[^`]*`|@[\w-]+|<[\w-]+>", " ", CALL.sub(" ", sentence))
-    return " ".join(re.sub(r"\$[^$]*\$", " N ", words).split())
+    return " ".join(re.sub(r"\$([^$]*)\$", formula, words).split())
+
+
+def unsaid(text):
+    """Return the names of a text's records of whose condition the sentence says nothing."""
+    found = []
+    for sentence in END.split(text):
+        said = worded(sentence).lower()
+        names = dict.fromkeys(name for _, name in NUMBER.findall(sentence))
+        for kind, ways in CONDITIONS.items():
+            pattern = rf"\b(?:{kind})\b"
+            told = re.search(rf"\b(?:{ways})\b", said)
+            found += [name for name in names if re.search(pattern, name.lower()) and not told]
+    return found
+
+
+def unbound(text):
+    """Return the names of records of whose words their sentence says less than half, or has two."""
+
+    def stems(words):
+        return {word[:4] for word in re.findall(r"[a-z]{3,}", words.lower()) if word not in SMALL}
+
+    found = []
+    for sentence in END.split(text):
+        said = stems(worded(sentence, r" \1 "))
+        records = NUMBER.findall(sentence)
+        for record in dict.fromkeys(records):
+            words = stems(record[1])
+            if len(words & said) < len(words) / 2 or records.count(record) > 1:
+                found.append(record[1])
+    return found
 
 
 def unbacked(text, words=(*ORDERS, *COUNTS)):

@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import nbformat
 import pytest
@@ -18,8 +17,6 @@ from report.execute import NotebookFailed, run_notebook
 from report.lock import locked
 from report.sources import ROOT, cells, file_digests, is_run, notebook_sources, notebooks, records
 from report.state import State
-
-pytestmark = pytest.mark.usefixtures("shared_kernels")
 
 RECORD = """from kit import Record
 record = Record("01_test")
@@ -227,14 +224,6 @@ def three(tmp_path, monkeypatch):
     monkeypatch.setattr(build, "ROOT", tmp_path)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
     return notebooks(tmp_path)
-
-
-def test_low_disk_stops_the_build_at_its_first_notebook_with_a_sentence(three, monkeypatch, capsys):
-    monkeypatch.setattr(build.shutil, "disk_usage", lambda _: SimpleNamespace(free=2e8))
-    assert told(lambda: build.run_stale(three)) == 1
-    said, told_ = capsys.readouterr()
-    assert said == "" and told_.count("\n") == 1
-    assert "200 MB of disk are free, and a build needs 300 MB" in told_
 
 
 def test_notebooks_that_fail_are_told_and_do_not_stop_the_others(three, monkeypatch, capsys):

@@ -23,8 +23,6 @@ from report.sources import ROOT, notebook_sources
 
 READS = ["figures/circuit_tunnel.png"]
 
-pytestmark = pytest.mark.usefixtures("shared_kernels")
-
 
 @pytest.mark.parametrize(
     ("a", "b", "equal"),
@@ -121,7 +119,7 @@ def test_drawings_are_compared_as_the_eye_does(tmp_path, options, equal):
         ax.plot([0, to], [0, 1], color=COLOURS[colour])
         ax.set(xlabel=xlabel, xlim=(0, 1.1))
         (tmp_path / folder).mkdir()
-        with matplotlib.rc_context({"svg.fonttype": "path"}):
+        with matplotlib.rc_context({"svg.fonttype": "none"}):
             drawing.savefig(tmp_path / folder / "a.svg")
         return tmp_path / folder / "a.svg"
 
@@ -156,7 +154,7 @@ CHANGES = {
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory, shared_kernels):
+def said(tmp_path_factory):
     """Return what passed and failed of a notebook, as it was run and after each change."""
     folder = tmp_path_factory.mktemp("checkouts")
     true = folder / "true" / "notebooks" / "01_test.ipynb"

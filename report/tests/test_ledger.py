@@ -2,7 +2,6 @@
 
 import ast
 import importlib
-import inspect
 import json
 import re
 import tomllib
@@ -180,35 +179,3 @@ def test_proof_finds_the_verdict_of_its_row(id):
         evidence = [*call.args[1:], *(k.value for k in call.keywords if k.arg != "missing")]
         evidence = [v for e in evidence for v in (e.values if isinstance(e, ast.Dict) else [e])]
         assert not any(isinstance(e, ast.Constant) for e in evidence), "evidence is computed"
-
-
-# What a second way may share with the first: data, symbols, comparisons, and what is judged itself.
-SHARED = {"judge", "zero", "close", "draw", "at"}
-JUDGED = {"run"}  # the printed programs
-
-
-def ours(thing):
-    return (getattr(thing, "__module__", None) or "").split(".")[0] in ("tunneller_lib", "tests")
-
-
-def functions_of_ours(nodes, module):
-    """Return the study's functions that syntax names, imported, the module's own, or methods."""
-    every = [n for node in nodes for n in ast.walk(node)]
-    names = {n.id for n in every if isinstance(n, ast.Name)} - SHARED
-    found = {n for n in names if inspect.isfunction(f := getattr(module, n, None)) and ours(f)}
-    classes = [c for c in vars(module).values() if inspect.isclass(c) and ours(c)]
-    called = {n.func.attr for n in every if isinstance(n, ast.Call) and hasattr(n.func, "attr")}
-    return found | {name for name in called if any(hasattr(c, name) for c in classes)}
-
-
-@pytest.mark.parametrize("id", MENDED)
-def test_second_way_shares_no_function_with_the_first(id):
-    path, _, name = LEDGER[id]["proof"].partition("::")
-    source = proofs_in(path)[name]
-    line = source[: source.index("# A second way")].count("\n") + 1
-    tree, module = proof_tree(id)
-    first = [node for node in tree.body if node.lineno < line]
-    second = [node for node in tree.body if node.lineno >= line]
-    assert first and second
-    both = functions_of_ours(first, module) & functions_of_ours(second, module)
-    assert both <= JUDGED, f"both ways use {both}"

@@ -101,10 +101,23 @@ def test_planner_refuses_as_the_command_does(planned, capsys, old, new, code, sa
 
 def test_calculator_returns_all_digits_and_way_and_end_agree():
     start = {"r": 0.08, "R": 0.8, "theta": 0.0, "phi": -30.0}
-    way = planner.geodesic_of(start | {"theta2": 60.0, "phi2": 35.0})
+    way, paths = planner.geodesic_of(start | {"theta2": 60.0, "phi2": 35.0})
     exact = geodesic_inverse(Torus(0.08, 0.8), (0, np.radians(-30)), np.radians([60, 35]))
     assert float(way["length / m"]) == exact.length and way["certificate"] == "only"
     known = {"azimuth": float(way["azimuth at the start / deg"]), "length": exact.length}
-    end = planner.geodesic_of(start | known)
+    end, same = planner.geodesic_of(start | known)
     assert float(end["theta at the end / deg"]) == pytest.approx(60, rel=1e-12)
     assert float(end["phi at the end / deg"]) == pytest.approx(35, rel=1e-12)
+    assert list(paths) == ["geodesic", "projected chord", "corrected chord"]
+    for name, path in paths.items():
+        assert np.shape(path) == (planner.DRAWN, 2)
+        np.testing.assert_allclose(path, same[name], atol=1e-9)
+        np.testing.assert_allclose([path[0], path[-1]], [(0, -30), (60, 35)], atol=1e-9)
+    off = [np.abs(np.subtract(path, paths["geodesic"])).max() for path in paths.values()]
+    assert off[1] > 2 and off[2] < 0.1  # degrees
+
+
+def test_calculator_draws_no_chord_where_there_is_none():
+    through_the_centre = {"theta": 0, "phi": 0, "theta2": 180, "phi2": 0}
+    _, paths = planner.geodesic_of({"r": 0.08, "R": 0.8} | through_the_centre)
+    assert list(paths) == ["geodesic"]

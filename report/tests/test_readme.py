@@ -25,12 +25,13 @@ ALL = "\n".join([TEXT, *GUIDE.values()])
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```", ALL, re.M | re.S)
 COMMANDS = [line.split("  #")[0].strip() for kind, block in BLOCKS if not kind
             for line in block.splitlines()]  # fmt: skip
-[PYTHON] = [block for kind, block in BLOCKS if kind == "python"]
+PYTHON = [block for kind, block in BLOCKS if kind == "python"]
 
 
-def test_lines_of_the_library_print_what_stands_beside_them(capsys):
+@pytest.mark.parametrize("block", PYTHON, ids=len)
+def test_lines_of_the_library_print_what_stands_beside_them(capsys, block):
     space = {}
-    for line in PYTHON.splitlines():
+    for line in block.splitlines():
         code, _, said = line.partition("  # ")
         exec(code, space)
         printed = capsys.readouterr().out.strip()

@@ -12,6 +12,9 @@ import pytest
 
 from kit import Record, figure
 from kit.record import drawing_svg
+from report.sources import ROOT, cells
+
+READS = ["notebooks/03_tunnel.ipynb"]
 
 
 @pytest.fixture
@@ -189,6 +192,9 @@ from tunneller_lib.paths import ConeChord
 from kit import figure
 from exhibits.cone_plot import draw_cone, draw_development
 from kit.record import drawing_svg
+from report.sources import ROOT, cells
+
+READS = ["notebooks/03_tunnel.ipynb"]
 
 filled = [bytearray(size) for size in range(int(sys.argv[1]))]
 drawing, (one, other, third) = figure(1, 3, height=6.5)
@@ -222,3 +228,23 @@ def test_file_name_is_refused(record, name):
         Record(name)
     with pytest.raises(ValueError, match=r"^name: must have only a-z, 0-9, - and _; got"):
         record.figure(figure(height=4)[0], name, "A line.")
+
+
+def test_chapter_that_is_run_by_hand_changes_nothing_but_the_folder_build():
+    def files():
+        folders = [ROOT / name for name in ("figures", "notebooks", "report")]
+        found = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+        return {path: path.stat().st_mtime_ns for path in found if path.suffix != ".pyc"}
+
+    before = files()
+    script = "\n".join(code for kind, code in cells(ROOT / "notebooks" / "03_tunnel.ipynb")
+                       if kind == "code")  # fmt: skip
+    environment = {name: value for name, value in os.environ.items() if name != "TUNNELLER_RESULTS"}
+    environment |= {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'notebooks'}", "MPLBACKEND": "agg"}
+    written = ROOT / "build" / "lab" / "report" / "numbers" / "03_tunnel.json"
+    written.unlink(missing_ok=True)
+    subprocess.run(
+        [sys.executable, "-c", script], cwd=ROOT / "notebooks", env=environment, check=True,
+        capture_output=True,
+    )  # fmt: skip
+    assert written.exists() and files() == before

@@ -17,7 +17,7 @@ from fontTools.ttLib import TTFont
 
 from report.live.build import LivePages
 from report.site import build as pages
-from report.site import front, paper
+from report.site import machine, paper
 from report.site.chapter import Chapter, page_name, title
 from report.site.links import faults
 from report.site.markup import anchor, markdown, plain
@@ -152,7 +152,7 @@ def test_pages_have_headings_in_steps_and_buttons_that_differ(site):
 
 def test_first_page_moves_and_leads_to_every_chapter(site):
     text = (site / "index.html").read_text()
-    assert text.count("<animate ") == 3 and 'id="still"' in text
+    assert text.count("<animate") == 3 and 'id="still"' in text
     for notebook in SOME[1:]:
         card = f'<a href="{page_name(notebook)}"><img src="thumbnails/{notebook.stem}.webp"'
         assert card in text and (site / f"thumbnails/{notebook.stem}.webp").stat().st_size < 30e3
@@ -161,14 +161,14 @@ def test_first_page_moves_and_leads_to_every_chapter(site):
 
 
 def test_moving_machine_follows_the_circuit_on_its_arm():
-    drawing = front.moving_machine()
+    drawing = machine.moving_machine()
     places = re.search(r'<polyline class="arm".*?values="([^"]+)"', drawing)[1].split(";")
     arms = np.array([[p.split(",") for p in place.split()] for place in places], dtype=float)
-    assert arms.shape == (front.PLACES, 3, 2)
+    assert arms.shape == (machine.PLACES, 3, 2)
     assert np.ptp(arms[:, 0], axis=0).max() == 0  # it stands
     assert np.linalg.norm(arms[0, 2] - arms[-1, 2]) < 1  # it closes
     longest = np.linalg.norm(arms[:, 2] - arms[:, 1], axis=1).max()
-    assert longest <= front.SCALE * REFERENCE_MACHINE.R + 0.2
+    assert longest <= machine.SCALE * REFERENCE_MACHINE.R + 0.2
 
 
 def test_library_has_every_public_name(site):

@@ -67,31 +67,6 @@ def test_statements_and_words():
     assert str(to_sympy(display.statements[2].modulus)) == "N"
 
 
-@pytest.mark.parametrize(
-    ("source", "message"),
-    [
-        ("", "Expected a number or a letter or a parenthesis, found: the end"),
-        ("a +", "found: the end"),
-        ("a + * b", "Unknown sign '\\*'"),
-        ("(a + b", r"Expected \), found: the end"),
-        ("frac(a, b)", "Unknown word 'frac'"),
-        ("x^2_1", "index before the power"),
-        ("x_(a + b)", "letters and numbers"),
-        ("f(x)", r"f\(: a function or a product"),
-        ("n_1(x)/2", r"n\(: a function or a product"),
-        ("sqrt x", "right behind it"),
-        ('"atan2"(y)', "Expected 2 arguments, found 1"),
-        ("bold(a b)", "bold must hold one letter"),
-        ("bold(v) bold(q)", "side by side"),
-        ("sum_(i=3) x^i mended(", "isn't closed"),
-        ('__import__("os")', "found: _"),
-    ],
-)
-def test_nonsense_is_refused(source, message):
-    with pytest.raises(UnknownMath, match=message):
-        value(source)
-
-
 def test_marks_change_nothing():
     assert value("f_mended(x y) + t^mended(2) mended(-) mended(4) a") == value(
         "f_(x y) + t^2 - 4 a"

@@ -6,7 +6,7 @@ import pytest
 
 from exhibits.rod_cases import GENERATORS
 from report.sources import ROOT
-from report.tests.prose import FREE, ORDERS, captions, sources, unbacked, worded
+from report.tests.prose import FREE, ORDERS, captions, sources, unbacked, unbound, unsaid, worded
 
 READS = ["report/*", "tests/test_rod.py"]
 
@@ -38,9 +38,24 @@ def test_every_free_pattern_is_used(free):
     assert any(re.search(free, worded(text), re.I) for text in TEXTS.values())
 
 
+@pytest.mark.parametrize("file", TEXTS)
+def test_number_stands_where_its_record_is_named(file):
+    assert unsaid(TEXTS[file]) == [], "A record's name has a condition that its sentence lacks."
+    assert unbound(TEXTS[file]) == [], "Say more of the record's name, or it but once."
+
+
+@pytest.mark.parametrize("file", TEXTS)
+def test_no_semicolon_is_lost(file):
+    """One right after a call only ends the call: a semicolon that is to be printed is doubled."""
+    assert re.findall(r'"\); +[a-z].*', TEXTS[file]) == []
+
+
 def test_words_without_a_record_are_noticed():
     assert unbacked("Gains are more, and twice as many.") == ["more", "twice"]
     assert unbacked('It is #than("a", "rule", "more") than #count("b", "paths").') == []
+    assert unsaid('The best excess is #num("a", "worst excess"), with T1.') == ["worst excess"]
+    assert unsaid('At worst it is #num("a", "worst, T3"), with T1.') == ["worst, T3"]
+    assert unbound('The lap takes #num("a", "mass of the cutter").') == ["mass of the cutter"]
     assert unbacked('The nearer one is #num("a", "the nearer"), a longer one too.') == ["longer"]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import sympy as sp
 
-from report.tests.typst_math import UnknownMath, parse
+from report.tests.typst_math import parse
 from report.tests.typst_values import to_sympy
 
 NUMPY = {
@@ -137,11 +137,3 @@ def _parts(side):
 def _other(value):
     """Return another value of a letter, whole if it is."""
     return value + 1 if isinstance(value, int) else value * 1.07 + 0.03
-
-
-def survives(source, worlds):
-    """Tell whether a source can't be told from a right one: it's read, and right everywhere."""
-    try:
-        return Check(source, worlds).right()
-    except (UnknownMath, UnknownLetter, ArithmeticError, TypeError, ValueError):
-        return False

@@ -29,8 +29,12 @@ from scipy.optimize import brentq, minimize_scalar
 
 from tests.symbols_envelopes import EQ11, EQ12, EQ25, at, example
 from tunneller_lib.envelopes import jet_variables
-from tunneller_lib.envelopes.conics import top_circle
-from tunneller_lib.envelopes.isotropic import plane_to_point, sphere_point, surface_points
+from tunneller_lib.envelopes.isotropic import (
+    plane_to_point,
+    sphere_point,
+    surface_points,
+    top_circle,
+)
 from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
@@ -83,13 +87,14 @@ def quartic_along(torus, start, along):
     return Polynomial.fit(t, left, 4).convert()
 
 
-@worlds("eq01", "eq02")
+@worlds("eq01", "eq02", "eq04", "eq06")
 def on_torus(rng):
     torus = some_torus(rng)
     theta, phi = rng.uniform(-1, -0.2), rng.uniform(0.2, 0.7)
-    x, y, z = torus.point(theta, phi)
+    x, y, z = point = torus.point(theta, phi)
     return {"r": torus.r, "R": torus.R, "theta": theta, "phi": phi, "x": x, "y": y, "z": z,
-            "rho": np.hypot(x, z)}  # fmt: skip
+            "rho": np.hypot(x, z), "f": 0.0, **numbered("q", point),
+            **numbered("n", point)}  # fmt: skip
 
 
 @worlds("meridian-circles", count=6)
@@ -126,13 +131,6 @@ def on_cyclide_with_its_weight(rng):
     return on_cyclide(rng, 1.0)
 
 
-@worlds("eq04")
-def on_line_and_torus(rng):
-    torus = some_torus(rng)
-    point = torus.point(*rng.uniform(0.2, 0.8, 2))
-    return {"r": torus.r, "R": torus.R, **numbered("q", point)}
-
-
 @worlds("eq05")
 def line_quartic(rng):
     torus = some_torus(rng)
@@ -154,12 +152,6 @@ def on_ruling(rng):
 
 
 # ---- tangent spheres ------------------------------------------------------------------------
-
-
-@worlds("eq06")
-def tangent_point(rng):
-    torus = some_torus(rng)
-    return {"r": torus.r, "R": torus.R, "f": 0.0, **numbered("n", torus.point(-0.5, 0.4))}
 
 
 @worlds("eq07")

@@ -98,14 +98,7 @@ DAMAGES = {
     "numbers without a figure's record": lambda s: without_figure(s),
     "a figure altered": lambda s: (s / "figures/rod_box.svg").write_text("<svg/>"),
     "the PDF cut in two": lambda s: shortened(s / "report/report.pdf"),
-    "a module missing in .venv": lambda s: site(s, "numpy/linalg/_linalg.py").unlink(),
-    "a module emptied in .venv": lambda s: site(s, "nbclient/client.py").write_text(""),
 }
-
-
-def site(study, name):
-    [file] = (study / ".venv").glob(f"lib/python3*/site-packages/{name}")
-    return file
 
 
 def without_figure(study):
@@ -123,8 +116,6 @@ def main():
     options = parser.parse_args()
     rng, rows = random.Random(options.seed), []
     with tempfile.TemporaryDirectory(prefix="interruptions-") as folder:
-        # What is damaged in an environment is damaged in uv's store of packages: not in the user's.
-        os.environ["UV_CACHE_DIR"] = str(Path(folder, "uv"))
         study = Path(folder, "study")
         subprocess.run(["git", "clone", "--quiet", ROOT, study], check=True)
         built(study)

@@ -117,10 +117,11 @@ def short(wanted):
     return wanted.plan["laps"] == 2 and 2 * wanted.planned.ticks.sum() < SCANS / 6
 
 
-def translated(folder, text):
+def translated(folder, text, blocks=""):
     """Return the C files of a Structured Text, by their names, as iec2c makes them in a folder."""
     folder.mkdir()
     (folder / "controller.st").write_text(text)
+    (folder / "blocks.st").write_text(blocks)
     iec2c = Path(found("IEC2C")).resolve()
     command = [iec2c, "-I", iec2c.parent / "lib", "controller.st"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
@@ -131,10 +132,11 @@ def translated(folder, text):
 
 def configuration(compiler, folder, made, *options):
     """Return the path of a controller's Structured Text as iec2c and a C compiler make it."""
-    units = translated(folder, made.text)
+    units = translated(folder, made.text, made.blocks)
     # It calls in each such time, which must be the fast task's interval, then.
     (common,) = re.findall(r"common_ticktime__ = (\d+)ULL \* 1ULL;", units["Tunneller.c"])
-    if int(common) != round(1e9 * made.tick):
+    fast = re.search(r"TASK Fast\(INTERVAL := T#(.*)ms,", made.text)[1]
+    if int(common) != round(1e6 * float(fast)):
         raise ValueError(f"the tasks' intervals are multiples of {common} ns")
     # Every variable is in capitals there, and its value is in a field.
     place = lambda name: f"CONTROLLER__FASTTASK.TUNNELLER.{name.upper()}.value"  # noqa: E731
@@ -188,8 +190,8 @@ def planned(compiler):
         plan = wanted.planned
         counts = np.rint(moved(plan)[0] / plan.count)
         # To the start position at up to a trip's way, and a full ring.
-        approach, ring, at_once = (int(re.search(rf"{name} : DINT := (\d+)", made.text)[1])
-                                   for name in ("nApproach", "nRing", "nAtOnce"))  # fmt: skip
+        approach, ring, at_once = (int(re.search(rf"{name} : .*DINT := \[?(\d+)", made.text)[1])
+                                   for name in ("aTicks", "nRing", "nAtOnce"))  # fmt: skip
         before = 2 * approach + (ring // at_once + 3) * made.slow
         with (
             tempfile.TemporaryDirectory() as folder,
@@ -329,7 +331,7 @@ def checked_xml():
                 if done.returncode:
                     raise ValueError(f"{name}: {done.stderr.strip()}")
                 if name != "SCHEMA":
-                    ours = translated(Path(folder, "ours"), made.text)
+                    ours = translated(Path(folder, "ours"), made.text, made.blocks)
                     if translated(Path(folder, "theirs"), st.read_text()) != ours:
                         raise ValueError(f"{name} reads other statements")
             count += 1

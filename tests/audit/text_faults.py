@@ -1,18 +1,20 @@
 """Plant faults in words, one at a time, and see whether the tests notice: `make words`.
 
 A fault changes a verdict, the proof of a row, a sign in a displayed equation, "closer" of a record
-into "farther", or an output in the README. Which ones is drawn with a seed. Each is
-judged in a copy of the checkout, under build/words, by the tests of its kind. The comparison of
-the PDFs with what they are made from judges nothing: it compares a text with a copy of itself. The
-result is tests/audit/text_faults.csv, with the score of each kind in its head.
+into "farther", a number into another one of its notebook and unit, or an output in the README.
+Which ones is drawn with a seed. Each is judged in a copy of the checkout, under build/words, by the
+tests of its kind. The comparison of the PDFs with what they are made from judges nothing: it
+compares a text with a copy of itself. The result is tests/audit/text_faults.csv, with the score of
+each kind in its head.
 
 What no test sees, and nobody plants here: another meaning of words that compare nothing, "at most"
-for "at least" beside a number, the record of another number of the same unit, a figure under the
-caption of another.
+for "at least" beside a number, a figure under the caption of another. text_faults_by_hand.csv has
+such faults, planted in sentences by hand, and what in the document contradicts each.
 """
 
 import argparse
 import csv
+import json
 import os
 import random
 import re
@@ -24,7 +26,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from report.tests.prose import sources
+from report.tests.prose import NUMBER, sources
 from report.tests.typst_math import tokens
 from tests.audit.typeset_faults import faults as equation_faults
 
@@ -111,6 +113,7 @@ def equations(rng):
                     ("report/tests/test_typeset.py",))  # fmt: skip
 
 
+USED = "report/tests/test_report.py::test_every_record_is_used_and_every_use_recorded"
 COMPILED = "test_report_of_a_copy_has_the_same_bytes"
 
 
@@ -130,6 +133,22 @@ def orders(rng):
                     (f"report/tests/test_report.py::{COMPILED}",))  # fmt: skip
 
 
+def numbers(rng):
+    """Another number of the same notebook and unit, by its record."""
+    texts = {path: path.read_text("utf-8") for path in sources()}
+    found = [(path, match) for path in texts for match in NUMBER.finditer(texts[path])]
+    for path, match in rng.sample(found, len(found)):
+        known = json.loads(read(f"report/numbers/{match[1]}.json"))["numbers"]
+        own = known[match[2]]
+        like = [name for name in sorted(known) if known[name]["unit"] == own["unit"]
+                and known[name]["text"] != own["text"]]  # fmt: skip
+        if like:
+            text, new = texts[path], rng.choice(like)
+            changed = text[: match.start(2)] + new + text[match.end(2) :]
+            yield Fault("number", str(path.relative_to(ROOT)), match[2], new, changed,
+                        ("report/tests/test_words.py", USED))  # fmt: skip
+
+
 def readme(rng):
     """A digit of what the README's lines print."""
     text = read("README.md")
@@ -144,7 +163,7 @@ def readme(rng):
                     ("report/tests/test_readme.py",))  # fmt: skip
 
 
-KINDS = (verdict_faults, proof_faults, equations, orders, readme)
+KINDS = (verdict_faults, proof_faults, equations, orders, numbers, readme)
 
 
 def draw(seed=SEED):

@@ -20,7 +20,7 @@ LIMIT = 64.0  # bytes for a pair
 WORKS = {
     "any lines against a rod, compiled": ("lines, rod", (4, -3)),
     "ball swept through 400 x 720 rays, compiled": ("swept balls", (-40, 7)),
-    "hyperosculating cones of a blade, in space, compiled": ("cones", (-96, -34)),
+    "hyperosculating cones of a blade, in space": ("cones", (-96, -34)),
 }
 COLOURED = ["corrected", "tangent sphere", "correct"]
 

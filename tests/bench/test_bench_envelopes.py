@@ -1,26 +1,12 @@
-"""How fast all hyperosculating cones are found, jets, cubic and verdicts together.
-
-Ratios against what could be done in the same run: the 6 x 6 eigenvalues alone, and the compiled
-core in C, to the same bits, as a bound: bounds/hyperosculate.c, without fast-math.
-"""
-
-import ctypes
+"""How fast all hyperosculating cones are found, jets, zeros and verdicts together."""
 
 import numpy as np
 import pytest
 
 from tests.bench.conftest import best_times
-from tunneller_lib.envelopes import (
-    cone_directions,
-    cone_loops,
-    hyperosculating_cones,
-    jet_variables,
-    recognise,
-)
-from tunneller_lib.envelopes.blade import BladeRing
+from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.families import cyclide
-from tunneller_lib.kernels import compiled
-from tunneller_lib.kernels.elementwise import NUMBERS
+from tunneller_lib.milling import BladeRing
 
 ANGLE = np.radians(10)
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)
@@ -31,67 +17,14 @@ def solve(n):
     return hyperosculating_cones(RING.coordinates, S[:n], T[:n], half_angle=ANGLE, model="space")
 
 
-SURFACES = {"space": RING.coordinates, "isotropic": cyclide}
-
-
-@pytest.fixture(params=["numpy", "compiled"])
-def way(request, monkeypatch):
-    """Fix the way that loops go, whatever the work, and return its name."""
-    if request.param == "compiled":
-        pytest.importorskip("numba", reason="what is compiled is timed")
-    monkeypatch.setattr(compiled._Work, "compiled", request.param == "compiled")
-    amount = np.inf if request.param == "compiled" else -np.inf
-    monkeypatch.setattr(compiled._Work, "of_kind", {"cones": amount})
-    return request.param
-
-
-@pytest.mark.parametrize("model", SURFACES)
-@pytest.mark.parametrize("count", [1, 1000, 1_000_000])
-def test_points_per_second(benchmark, say, way, count, model):
-    s, t = np.random.default_rng(0).uniform(0.05, 0.95, (2, count))
-
-    def found():
-        return hyperosculating_cones(SURFACES[model], s, t, half_angle=ANGLE, model=model)
-
-    found()  # what is compiled is compiled
-    cones = benchmark.pedantic(found, rounds=1)
+@pytest.mark.parametrize("count", [1, 1000, 8000])
+def test_points_per_second(benchmark, say, note, count):
+    cones = benchmark.pedantic(solve, (count,), rounds=1)
     assert np.count_nonzero(cones.count) > 0.9 * count
-    (best,) = best_times(found, rounds={1: 200, 1000: 10}.get(count, 1))
-    about = f"hyperosculating cones, {model}, {count} points, {way}"
-    say(f"{about}, us a point", 1e6 * best / count)
-
-
-def test_compiled_core_against_c(benchmark, say, note, bound_in_c, way):
-    function = bound_in_c("hyperosculate").fill_cones
-    array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
-    function.argtypes = [array, ctypes.c_long, ctypes.c_double, array, array, array]
-    function.restype = None
-    x, y = jet_variables(S, T)
-    shapes = np.stack(np.broadcast_arrays(*cone_loops.shape_in_the_model(S, T, cyclide(x, y).c)))
-    shapes = np.ascontiguousarray(shapes.T)
-    rho = 0.5 / np.tan(ANGLE)
-    samples = [np.array(c) for c in (cone_directions._COSINES, cone_directions._SINES)]
-    mine, theirs = np.empty((2, len(S), 6, 5))
-
-    def ours():
-        if way == "compiled":
-            compiled.call(cone_loops.fill_cones, shapes, rho, mine, **NUMBERS)
-        else:
-            with np.errstate(all="ignore"):
-                mine[:] = np.moveaxis(np.array(cone_loops.cones_of(shapes.T, rho)), -1, 0)
-
-    def bound():
-        function(shapes, len(S), rho, *samples, theirs)
-
-    benchmark.pedantic(ours, rounds=1)
-    best, limit = best_times(ours, bound, rounds=5)
-    np.testing.assert_array_equal(mine, theirs)
-    say(f"cones of {len(S)} points by their forms, {way}, us a point", 1e6 * best / len(S))
-    say(f"cones by their forms, {way}, time over that of C, the same bits", best / limit)
-    note(
-        f"cones at a point, its forms known, {way}", "point", len(S), best / len(S),
-        bound_s=limit / len(S), criterion="the same bits",
-    )  # fmt: skip
+    (best,) = best_times(lambda: solve(count), rounds={1: 200, 1000: 10}.get(count, 3))
+    work = "hyperosculating cones of a blade, in space"
+    say(f"{work}, {count} points, us a point", 1e6 * best / count)
+    note(work, "point", count, best / count, criterion="all cones with their verdicts")
 
 
 def test_time_is_linear_in_points(benchmark, say):

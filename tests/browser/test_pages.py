@@ -245,7 +245,7 @@ def test_print_has_no_empty_halves(browser, name, tmp_path):
 
 def test_first_page_s_machine_moves_until_it_is_stopped(browser):
     browser.open((SITE / "index.html").as_uri())
-    place = "document.querySelector('.cutter').cx.animVal.value"
+    place = "document.querySelector('.cutter').transform.animVal[0].matrix.e"
     first = browser.run(place)
     browser.until(f"{place} !== {first}")
     browser.run("document.getElementById('still').click()")

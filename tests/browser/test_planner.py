@@ -212,13 +212,47 @@ def test_form_s_fields_have_the_words_of_their_own_lines(browser):
     open_page(browser, "planner.html")
     shown = browser.run(
         "[...document.querySelectorAll('#form label')].map((one) => [one.control.name,"
-        "one.querySelector('span').textContent, one.querySelector('small').textContent])"
+        "...['span', 'i', 'small'].map((part) => one.querySelector(part).textContent)])"
     )
     words = said()
-    assert [tuple(name.split(".")) for name, _, _ in shown] == list(words)
-    for full, name, text in shown:
+    assert [tuple(name.split(".")) for name, *_ in shown] == list(words)
+    for full, name, unit, text in shown:
         table, key = full.split(".")
-        assert (name, text) == (key, words[table, key]), full
+        assert ", ".join(filter(None, (unit, text))) == words[table, key], full
+        spelt = key.removesuffix("_deg").replace("theta", "θ").replace("phi", "φ")
+        assert name == spelt.replace("_", " ")
+    units = {full: unit for full, _, unit, _ in shown}
+    assert [units[name] for name in ("machine.r", "ground.ripple", "section.shape")] == [
+        "m",
+        "",
+        "",
+    ]
+
+
+SKETCH = "document.getElementById('sketch')"
+
+
+def test_drawing_follows_the_form_and_lights_up_a_field_s_letter(browser):
+    open_page(browser, "planner.html")
+    names = f"[...{SKETCH}.querySelectorAll('text')].map((one) => one.dataset.name)"
+    for name in browser.run(names):
+        table = "" if "." in name else "machine."
+        there = f'document.querySelector(\'[name="{table}{name}"], [name="{table}{name}_deg"]\')'
+        browser.run(f"{there}.focus()")
+        assert browser.run(f"{SKETCH}.querySelector('.here').dataset.name") == name
+    ball = f"{SKETCH}.querySelector('.ball').r.baseVal.value"
+    wall = f"[...{SKETCH}.querySelectorAll('path.wall')].pop().getAttribute('d')"
+    egg = browser.run(wall)
+    assert browser.run(ball) == pytest.approx(0.2)
+    write(browser, "machine.cutter_radius", "0.15")
+    write(browser, "section.shape", "circle")
+    write(browser, "section.radius", "0.6")
+    assert browser.run(ball) == pytest.approx(0.15) and browser.run(wall) != egg
+    for wrong in ("", "-1", "none"):
+        write(browser, "machine.R", wrong)
+        assert browser.run(f"{SKETCH}.childElementCount") == 0
+    write(browser, "machine.R", "0.8")
+    assert browser.run(f"{SKETCH}.childElementCount") == 3 and browser.errors == []
 
 
 def test_form_finds_the_values_of_a_job_in_another_form(browser):
@@ -232,7 +266,7 @@ def test_form_finds_the_values_of_a_job_in_another_form(browser):
               "pose.y"]  # fmt: skip
     assert [value_of(browser, name) for name in fields] == ["0.9", "-1.0", "pieces", "", "", ""]
     told = "document.querySelector('[name=\"machine.theta_min_deg\"]').parentElement.textContent"
-    assert browser.run(told).startswith("theta_minrad, ")
+    assert browser.run(told).startswith("θ minradof ")
     shut = "[...document.querySelectorAll('#form fieldset:has(details:not([open])) legend')]"
     assert browser.run(f"{shut}.map((one) => one.textContent)") == ["body", "stance", "hydraulics"]
 
@@ -295,6 +329,9 @@ def test_calculator_gives_the_library_s_digits(browser):
     browser.until(f"!!{ANSWER}.querySelector('table')", 120)
     asked = {"r": 0.08, "R": 0.8, "theta": 0, "phi": -30, "theta2": 60, "phi2": 35}
     shown = browser.run(f"{ANSWER}.textContent")
-    for name, value in planner.geodesic_of(asked).items():
+    numbers, paths = planner.geodesic_of(asked)
+    for name, value in numbers.items():
         assert name in shown and value[:14] in shown
+    drawn = browser.run(f"[...{ANSWER}.querySelectorAll('svg path')].length")
+    assert drawn == 2 * len(paths) == 6  # each with its line beside its name
     assert browser.errors == [] and elsewhere(browser) == []

@@ -3,19 +3,17 @@
 import numpy as np
 
 from tunneller_lib.envelopes import ConePose, fit_surface, hyperosculating_cones, jet_variables
-from tunneller_lib.envelopes.blade import BladeRing
-from tunneller_lib.envelopes.cone_pose import TouchingCone
+from tunneller_lib.envelopes.evidence import RoughJet
 from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
+from tunneller_lib.envelopes.hyperosculate import TouchingCone
 from tunneller_lib.envelopes.jet import Jet
-from tunneller_lib.envelopes.measured import Fit, noisy_planes
-from tunneller_lib.envelopes.rough import RoughJet
+from tunneller_lib.envelopes.measured import Fit
 
-SIZES = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
-         "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
 RNG = np.random.default_rng(1)
 S, T = RNG.uniform(0.2, 0.8, (2, 14))
-CONTACT, NORMALS = noisy_planes(cyclide, (0.5, 0.3), RNG, turn=0.0, count=260, reach=0.1)
-MEASURED = {"contact": CONTACT, "n": NORMALS, "contact_error": 0.0, "normal_error": 1e-6}
+BALL = RNG.uniform(0.3, 0.9, (260, 3))
+BALL /= np.linalg.norm(BALL, axis=1, keepdims=True)
+MEASURED = {"contact": BALL, "n": BALL, "contact_error": 0.0, "normal_error": 1e-6}
 
 
 def graph(s, t):
@@ -29,7 +27,6 @@ def edge(s):
 POSE = {"vertex": (0.3, -0.2, 1.0), "axis": (1.0, 2.0, 2.0), "half_angle": 0.4, "near": 0.5,
         "far": 2.0}  # fmt: skip
 INSTANCES = {
-    BladeRing: BladeRing(**SIZES),
     ConePose: ConePose(**POSE),
     Fit: fit_surface(**MEASURED),
     Jet: cyclide(*jet_variables(0.5, 0.3)),
@@ -43,10 +40,9 @@ CALLS = {
     "Fit.surface": {"x": 0.1, "y": -0.2},
     "Jet.derivative": {"i": 2, "j": 1},
     "adapted_frames": {"surface": graph, "model": "space"},
-    "blade.BladeRing": SIZES,
-    "conics.conic": {"centre": (0.4, -0.7)},
-    "conics.cone_vertex": {"centre": (0.4, -0.7)},
-    "conics.osculating_conic": {"centre": (0.4, -0.7)},
+    "isotropic.conic": {"centre": (0.4, -0.7)},
+    "isotropic.cone_vertex": {"centre": (0.4, -0.7)},
+    "isotropic.osculating_conic": {"centre": (0.4, -0.7)},
     "developable.curve_derivatives": {"curve": edge},
     "developable.osculating_cone": {"curve": edge},
     "developable.tangent_planes": {"curve": edge},
@@ -62,7 +58,5 @@ CALLS = {
     "isotropic.plane_azimuth": {"n": (0.0, 0.6, 0.8)},
     "isotropic.surface_points": {"f": cyclide},
     "model_jet": {"surface": graph},
-    "noisy_planes": {"f": cyclide, "place": (0.5, 0.3), "count": 9, "reach": 0.1},
     "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},
-    "tilted": {"n": (0.0, 0.6, 0.8)},
 }

@@ -6,6 +6,7 @@ import numpy as np
 
 from tunneller_lib.milling import (
     BallMill,
+    BladeRing,
     ConicalMill,
     CylinderMill,
     Nurbs,
@@ -27,6 +28,8 @@ LINE = np.linspace(0, 1, 4)
 KNOTS = [0.0] * 4 + [1.0] * 4
 SURFACE = {"control": np.stack(np.broadcast_arrays(LINE[:, None], LINE, 0.0), axis=-1),
            "knots_s": KNOTS, "knots_t": KNOTS}  # fmt: skip
+RING = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
+        "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
 PATCH = Patch(saddle, (-0.01, 0.01), (-0.01, 0.01))
 SIZES = {"half_angle": 0.2, "tip_radius": 0.01, "length": 0.2, "holder_radius": 0.03,
          "holder_length": 0.05}  # fmt: skip
@@ -52,6 +55,7 @@ def covered():
 
 INSTANCES = {
     BallMill: BallMill(0.005),
+    BladeRing: BladeRing(**RING),
     Chain: chain,
     ConicalMill: MILL,
     Coverage: covered,
@@ -63,6 +67,7 @@ INSTANCES = {
 }
 
 CALLS = {
+    "BladeRing": RING,
     "ConicalMill": SIZES,
     "Nurbs": SURFACE,
     "Patch": {"surface": saddle, "s": (-0.01, 0.01), "t": (-0.01, 0.01)},

@@ -24,16 +24,16 @@ from pathlib import Path
 import numpy as np
 
 from tunneller_lib.job import read_job
-from tunneller_lib.job.controller import program
+from tunneller_lib.job.controller import FULL, program
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.motion import time_bresenham
 from tunneller_lib.motion.export import (
     C_HEAD,
     c99_code,
     c99_types,
+    constant_rows,
     line_c99,
     read_blocks,
-    with_constants,
 )
 from tunneller_lib.paths import corrected_chord, cutting_circuit, geodesic_inverse, project_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
@@ -150,7 +150,7 @@ def few_rows(whole, plan):
     They are the whole lap, which begins and ends at rest at once. Returns their ends, too, in
     parts of a count, and how many there are in a count.
     """
-    blocks = read_blocks(whole.text)
+    blocks = read_blocks(whole.text + whole.blocks)
     constants = {row.name: json.loads(row.begin) for block in blocks
                  for row in block.rows("VAR CONSTANT")}  # fmt: skip
     knot, first = np.array(constants["aKnot"]), constants["nFirst"]
@@ -168,13 +168,13 @@ def few_rows(whole, plan):
     ends = plan.setpoints[rows.start - first + 1 : rows.stop - first + 1]
     constants["aStart"] = ends[0].tolist()
     ends = np.rint(ends / constants["rPart"]).astype(int)
-    constants["aTicks"][0] = constants["nApproach"] = 10
-    constants["aFree"][:2] = [constants["nFull"]] * 2
+    constants["aTicks"][0] = 10
+    constants["aFree"][:2] = [FULL] * 2
     constants |= {"nRing": SMALL_RING, "nAtOnce": 1, "nFirst": 1, "nExit": ROWS + 1,
                   "nRows": ROWS + 1}  # fmt: skip
-    text = re.sub(r"VAR CONSTANT\n.*?END_VAR\n", "", whole.text, flags=re.S)
-    text = text.replace(f"[0..{ring - 1}]", f"[0..{SMALL_RING - 1}]")
-    few = replace(whole, text=with_constants(text, constants))
+    text = re.sub(r"(T_Job : STRUCT\n).*?( +END_STRUCT)", rf"\1{constant_rows(constants)}\2",
+                  whole.text, flags=re.S)  # fmt: skip
+    few = whole._replace(text=text.replace(f"[0..{ring - 1}]", f"[0..{SMALL_RING - 1}]"))
     return few, ends, constants["nParts"]
 
 

@@ -1,6 +1,6 @@
 """Envelopes of moving cones: which surfaces are some, and which cones hyperosculate a surface."""
 
-from . import blade, conics, developable, families, isotropic
+from . import developable, families, isotropic
 from .adapted import adapted_frames, model_jet
 from .cone_pose import ConePose
 from .hyperosculate import hyperosculating_cones
@@ -11,8 +11,6 @@ from .recognition import recognise
 __all__ = [
     "ConePose",
     "adapted_frames",
-    "blade",
-    "conics",
     "developable",
     "families",
     "fit_surface",

@@ -10,14 +10,12 @@ import numpy as np
 
 from ..arguments import Finite, Reals, checked
 from .functions import Function, as_jet, coordinates, one_number
-from .graph_forms import contact_point, isotropic_derivatives, normal
-from .jet import Jet, compose, differentiated, inverse, jet_variables, places
-from .triples import cross_product
+from .jet import Jet, by_slopes, cross_product, differentiated, jet_variables
 
-# |K|/|II|^2, below which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
+# |K|/|II|^2, up to which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
 FLAT = 1e-6
-_NOISE = 1e-12
+_NOISE = 1e-12  # of its terms, up to which a number counts as rounding
 MOST = 1e90  # of a jet's coefficients: products of three, and their sums, are then numbers
 
 
@@ -31,11 +29,11 @@ class AdaptedFrames(NamedTuple):
     axes : (n, 3, 3) float
         Rows: two unit tangents and the unit normal.
     curvature : (n,) float
-        |K| / |II|^2, 0 to 1/2; 0 where all curvatures vanish.
+        |K| / |II|^2, from 0 to 1/2; 0 where both curvatures vanish.
     smooth : (n,) bool
         Whether point, tangent plane and derivatives exist.
     r, n : list of three Jet
-        The surface in these frames, to order 3, in m, and its unit normal.
+        The surface in these frames, in m, and its unit normal, to order 3 at least.
     """
 
     contact: np.ndarray
@@ -91,7 +89,7 @@ def frames_along(surface: Function(2), s: Finite, t: Reals):
 
 
 def frames_by(surface, s, t, model):
-    """Return what `adapted_frames` does, by its variables as jets.
+    """Return the adapted frames of a surface whose variables are given as jets.
 
     Parameters
     ----------
@@ -148,7 +146,7 @@ def isotropic_jet(frames, where):
     frames : AdaptedFrames
         Of n points.
     where : (n,) bool, indices or slice
-        Which: smooth ones where the curvature isn't 0.
+        Which of them; only smooth ones where the curvature isn't 0.
 
     Returns
     -------
@@ -158,7 +156,9 @@ def isotropic_jet(frames, where):
     r = [Jet(c.c[:, where]) for c in frames.r]
     n = [Jet(c.c[:, where]) for c in frames.n]
     x, y, _, fx, fy = isotropic_derivatives(r, n)
-    return _integrated(*compose([fx, fy], *inverse(x, y)))
+    # The normal is a derivative of the surface, so it is known to one order less, and so are the
+    # slopes by Eqs 18 and 19. From them f follows to the full order, where Eq. 17 doesn't give it.
+    return by_slopes(x, y, fx, fy)
 
 
 def sound(f):
@@ -196,7 +196,7 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
     n = _turned(back, found.n)
     r = [jet + moved for jet, moved in zip(r, found.contact.T, strict=True)]
     x, y, value, fx, fy = isotropic_derivatives(r, n)
-    f = _integrated(*compose([fx, fy], *inverse(x, y)))
+    f = by_slopes(x, y, fx, fy)
     f.c[0] = value.value
     if not np.all(found.smooth & (found.curvature > FLAT) & sound(f) & sound(x) & sound(y)):
         raise ValueError(
@@ -206,37 +206,25 @@ def model_jet(surface: Function(2), s: Reals, t: Reals):
     return x.value, y.value, f
 
 
-def _integrated(fx, fy):
-    """Return a jet from its first derivatives, its value left 0."""
-    f = np.zeros_like(fx.c)
-    # The normal is a derivative of the surface, so it is known to one order less, and so are the
-    # slopes by Eqs 18 and 19. Integrated they give f to the full order, where Eq. 17 doesn't.
-    at = places(fx)
-    for (i, j), place in at.items():
-        if i:
-            f[place] = fx.c[at[i - 1, j]] / i
-        elif j:
-            f[place] = fy.c[at[0, j - 1]] / j
-    return Jet(f)
-
-
 def tangent_graph(frames, where):
-    """Return jets, of order 3, of the surface as a graph over its tangent planes.
+    """Return the jets of a surface as a graph over its tangent planes.
 
     Parameters
     ----------
     frames : AdaptedFrames
         Of n points.
     where : (n,) bool, indices or slice
-        Which; only smooth ones.
+        Which of them; only smooth ones.
 
     Returns
     -------
     g : Jet
-        Heights along the normal, in m.
+        Heights along the normal, in m, to order 3 at least.
     """
-    x, y, z = (Jet(c.c[:, where]) for c in frames.r)
-    return compose([z], *inverse(x, y))[0]
+    # Its slopes are those of the normal, -n1/n3 and -n2/n3.
+    x, y, _ = (Jet(c.c[:, where]) for c in frames.r)
+    a, b, c = (Jet(part.c[:, where]) for part in frames.n)
+    return by_slopes(x, y, -a / c, -b / c)
 
 
 def _curvature(r, n):
@@ -244,8 +232,10 @@ def _curvature(r, n):
     (_, xs, xt), (_, ys, yt) = (c.c[:3] for c in r[:2])
     (_, ns, nt), (_, ms, mt) = (c.c[:3] for c in n[:2])
     # The matrix of the shape operator times the area xs yt - xt ys, which may be zero.
-    a, b = ns * yt - nt * ys, nt * xs - ns * xt
-    c, d = ms * yt - mt * ys, mt * xs - ms * xt
+    a = ns * yt - nt * ys
+    b = nt * xs - ns * xt
+    c = ms * yt - mt * ys
+    d = mt * xs - ms * xt
     square = a * a + b * b + c * c + d * d
     # Normals count as constant where they turn by no more than rounding in second derivatives.
     bend = sum(np.abs(part.c[3:6]).sum(axis=0) for part in r[:2])
@@ -256,14 +246,44 @@ def _curvature(r, n):
 
 
 def _turned(axes, vector):
+    """Return three jets as the components of a vector along other axes (n, 3, 3)."""
     c = np.stack([jet.c for jet in vector], axis=1)  # (terms, 3, n)
     turned = np.einsum("nik,ckn->icn", axes, c)
     return [Jet(part) for part in turned]
 
 
 def _ratio(a, b):
-    """Return how far two tangents are from being parallel or zero, 0 to 1."""
+    """Return the sine of the angle between two tangents, NaN where one of them is zero."""
     a, b = (np.stack([c.value for c in v], axis=-1) for v in (a, b))
     return np.linalg.norm(np.cross(a, b), axis=-1) / np.prod(
         [np.linalg.norm(v, axis=-1) for v in (a, b)], axis=0
     )
+
+
+# ---- from a graph in the model to its surface, and back; numbers, arrays or jets -----------------
+
+
+def normal(x, y):
+    """Return the components of the unit normal of the planes over a place (Eq. 21)."""
+    p = x * x + y * y + 1
+    return 2 * x / p, 2 * y / p, 2 / p - 1
+
+
+def contact_point(x, y, f, fx, fy):
+    """Return the point where the plane over (x, y) touches the surface of f (Eq. 20).
+
+    `f`, `fx`, `fy` are the function and its derivatives there; all lengths are in m.
+    """
+    p = x * x + y * y + 1
+    # The third coordinate as printed; r1 and r2 by Eqs 18 and 19, which take fewer products.
+    r3 = 2 * (x * fx + y * fy - f) / p
+    return x * r3 - fx, y * r3 - fy, r3
+
+
+def isotropic_derivatives(r, n):
+    """Return x, y, f, fx, fy by points of a surface and unit normals there (Eqs 17 to 19)."""
+    below = n[2] + 1
+    x = n[0] / below
+    y = n[1] / below
+    f = -(n[0] * r[0] + n[1] * r[1] + n[2] * r[2]) / below
+    return x, y, f, x * r[2] - r[0], y * r[2] - r[1]

@@ -63,8 +63,7 @@ def real_zeros(function, degree, *, unit):
     the polynomial is greatest: that becomes the leading coefficient, so that no zero is lost at
     infinity. A fixed angle, as in the document's Eq. 13, loses the zero that it hits. A pair of
     zeros is taken for a double one where it is nearer than `SAME`, or where the polynomial
-    doesn't leave 1e-11 of its coefficients between the two. Where many points are searched,
-    `cone_directions.circle_zeros` finds those of degree 3, in loops that may be compiled.
+    doesn't leave 1e-11 of its coefficients between the two.
     """
     n = 2 * degree
     waves = Waves(function, degree)
@@ -83,11 +82,16 @@ def real_zeros(function, degree, *, unit):
     nearly = np.abs(tangent.imag) < _NEARLY_REAL * (1 + np.abs(tangent) ** 2)
     # Angles are counted from `at`: there no zero lies near -pi or pi, where the polynomial is
     # greatest, so that none is torn apart when they are sorted.
-    angle = _polished(waves, at + 2 * np.arctan(tangent.real))
+    angle = _polished(waves, at + 2 * np.arctan(tangent.real), 0.1 * SAME)
     left = np.abs(waves.derivative(angle, 0))
     # That bound also lets pairs pass that miss the axis: there the polynomial keeps off zero.
     found = nearly & (left <= _ZERO * scale) & ~vanishes[:, None]
     angle, multiplicity = _merged(np.where(found, angle - at, np.nan))
+    # Zeros that fell together are known to a root of rounding only; in their middle the derivative
+    # of one order less than they are has a simple zero.
+    for m in np.unique(multiplicity[multiplicity > 1]):
+        middle = _polished(waves, angle + at, SAME, m - 1) - at
+        angle = np.where(multiplicity == m, middle, angle)
     angle = np.angle(np.exp(1j * (angle + at)))
     order = np.argsort(angle, axis=-1)
     return np.take_along_axis(angle, order, -1), np.take_along_axis(multiplicity, order, -1)
@@ -105,13 +109,14 @@ def _line(degree):
     return np.array(rows)
 
 
-def _polished(waves, angle):
-    """Return angles after two Newton steps, none of which may lead to another zero."""
+def _polished(waves, angle, most, order=0):
+    """Return angles after two Newton steps to zeros of a derivative, none of `most` or longer."""
     for _ in range(2):
-        value, slope = (waves.derivative(angle, k) for k in (0, 1))
+        value, slope = (waves.derivative(angle, k) for k in (order, order + 1))
         with np.errstate(all="ignore"):
             step = value / slope
-        angle = angle - np.where(np.abs(step) < 0.1 * SAME, step, 0.0)
+        # A longer step would lead to another zero.
+        angle = angle - np.where(np.abs(step) < most, step, 0.0)
     return angle
 
 

@@ -1,13 +1,12 @@
-"""A truncated cone of revolution in space, and one that touches a surface."""
+"""A truncated cone of revolution in space."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..arguments import Angles, Direction, HalfAngle, Length, Length0, Point, Points, Whole, checked
 from ..kernels.exact import dot, norm
-from .conics import top_circle
-from .isotropic import cone_planes, cone_rulings
+from .isotropic import cone_planes, cone_rulings, top_circle
 
 
 @dataclass(frozen=True)
@@ -124,66 +123,3 @@ def distance_to_cone(height, radius, first, half_angle, ruling):
     inside = (side < 0) & (height > 0) & (height < length)
     nearest = np.sqrt(square)
     return np.where(inside, -nearest, nearest)[()]
-
-
-@dataclass(frozen=True, eq=False)
-class TouchingCone:
-    """One cone in third-order contact with a surface, of those that `hyperosculating_cones` finds.
-
-    Parameters
-    ----------
-    pose : ConePose
-        The cone, from its vertex to twice the contact's distance from it.
-    contact, normal : (3,) float
-        Where it touches, in m, and the surface's unit normal there.
-    side : {1, 0, -1}
-        As of `Cones`.
-    verdict : {"free", "gouges", "undecided"}
-        Whether it keeps off the surface near the contact, as far as derivatives to order 4 tell.
-    multiplicity : int
-        How many cones fell together in this one.
-    """
-
-    pose: ConePose
-    contact: np.ndarray
-    normal: np.ndarray
-    side: int
-    verdict: str
-    multiplicity: int
-
-    @checked
-    def planes(self, azimuth: Angles):
-        """Return the cone's tangent planes, oriented as the surface is.
-
-        Parameters
-        ----------
-        azimuth : (...) float
-            In rad, about the axis or its opposite.
-
-        Returns
-        -------
-        n : (..., 3) float
-            Unit normals, that of the surface among them.
-        h : (...) float
-            Constant terms of n.x + h = 0, in m.
-        """
-        axis = (self.side or 1) * np.array(self.pose.axis)
-        return cone_planes(self.pose.vertex, axis, self.pose.half_angle, azimuth)
-
-    @checked
-    def tool(self, towards: Length, away: Length):
-        """Return the pose of a tool of that cone.
-
-        Parameters
-        ----------
-        towards, away : float
-            How far its rulings reach from the contact to the vertex, at most for four fifths of
-            the way, and away from it, in m.
-
-        Returns
-        -------
-        pose : ConePose
-            The cone, cut to that length.
-        """
-        distance = self.pose.far / 2 if self.side else 0.0  # without a side the vertex touches
-        return replace(self.pose, near=max(distance - towards, 0.2 * distance), far=distance + away)

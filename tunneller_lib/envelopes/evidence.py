@@ -1,4 +1,4 @@
-"""What a surface's points say for or against a tool, when all is known to some error only.
+"""What the points of a surface say for or against a tool, when all numbers have errors.
 
 A tool envelops a surface if two forms of a direction, `first` and `second`, have a common zero at
 each point. Their errors leave a zero of `first` uncertain by an angle, and so the value of `second`
@@ -11,10 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .adapted import frames_by
 from .circle_roots import Waves, real_zeros
+from .jet import Jet, jet_variables
 
-LEAST_POINTS = 12  # that must agree
-SHARP = 1e-6  # relative bound of a condition, above which a point doesn't tell
+LEAST_POINTS = 12  # so many must agree
+SHARP = 1e-6  # relative bound of a condition above which a point doesn't tell
+UNIT = np.finfo(float).eps
+RUNS = 8
+SAFETY = 10.0  # errors are so many times the largest deviation that was seen
 _AROUND = 2 * np.pi * np.arange(24)[None] / 24
 
 
@@ -30,7 +35,7 @@ class Forms(NamedTuple):
     off_first, off_second : (n,) float
         By how much they may be off, in m.
     size : callable
-        Of angles (n, m): what the second is to be compared with there (n, m), in m.
+        Of angles (n, m): what the second is compared with there (n, m), in m.
     """
 
     first: object
@@ -42,14 +47,14 @@ class Forms(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """What n points say of a pair of forms.
+    """What n points say about a pair of forms.
 
     Parameters
     ----------
     refutes, agrees : (n,) bool
-        Whether a point does; neither where it doesn't tell.
+        Whether a point does; neither if it doesn't tell.
     angle, spread : (n, m) float
-        Common zeros and how far they may be off, in rad; NaN where one isn't.
+        Common zeros and how far they may be off, in rad; NaN where there is none.
     several : (n, m) bool
         Whether more zeros of the first form may have fallen together there.
     """
@@ -62,7 +67,7 @@ class Evidence(NamedTuple):
 
 
 def zeros(function, degree, off):
-    """Return where polynomials that may be `off` (n,) can vanish, and to which angle.
+    """Return where polynomials with errors may vanish, and how far these zeros may be off.
 
     Parameters
     ----------
@@ -105,14 +110,14 @@ def zeros(function, degree, off):
 
 
 def weigh(forms, sharp):
-    """Return what each point says of a pair of forms.
+    """Return what each point says about a pair of forms.
 
     Parameters
     ----------
     forms : Forms
         At n points.
     sharp : float
-        Relative bound of the second above which a point doesn't tell.
+        Relative bound of the second form above which a point doesn't tell.
 
     Returns
     -------
@@ -164,9 +169,11 @@ def spread_in_two(s, t, n):
 
 
 def _on_a_conic(s, t):
-    s, t = (_scaled(c) for c in (s, t))
+    """Tell whether places lie on a conic or a line: then a form of degree 2 vanishes on them."""
+    s, t = ((c - c.mean()) / (np.ptp(c) or 1.0) for c in (s, t))
     forms = np.stack([np.ones_like(s), s, t, s * s, s * t, t * t], axis=-1)
-    return _short_of_rank(forms)
+    values = np.linalg.svd(forms, compute_uv=False)
+    return bool(values[-1] < 1e-3 * values[0])
 
 
 def _on_a_circle(n):
@@ -178,10 +185,66 @@ def _on_a_circle(n):
     return bool(values[0] > 1e-6 and values[2] < 1e-3 * values[0] ** 2)
 
 
-def _scaled(c):
-    return (c - c.mean()) / (np.ptp(c) or 1.0)
+# ---- what rounding may do, found by rounding at random ------------------------------------------
 
 
-def _short_of_rank(forms):
-    values = np.linalg.svd(forms, compute_uv=False)
-    return bool(values[-1] < 1e-3 * values[0])
+class RoughJet(Jet):
+    """A jet whose coefficients are changed in their last digits whenever they are used.
+
+    Parameters
+    ----------
+    c : (15, ...) float
+        Coefficients, as those of `Jet`.
+    rng : numpy.random.Generator
+        Draws the digits.
+    """
+
+    def __init__(self, c, rng):
+        super().__init__(c)
+        self.rng = rng
+
+    def __array_ufunc__(self, ufunc, method, *arguments, **options):
+        arguments = [self._turned(a) if isinstance(a, Jet) else a for a in arguments]
+        result = super().__array_ufunc__(ufunc, method, *arguments, **options)
+        return RoughJet(result.c, self.rng) if isinstance(result, Jet) else result
+
+    def _turned(self, jet):
+        return Jet(jet.c * (1 + UNIT * self.rng.uniform(-1, 1, jet.c.shape)))
+
+
+def rough_frames(surface, s, t, model, order):
+    """Return frames of a surface at n points, `RUNS` times over, each time rounded at random.
+
+    Parameters
+    ----------
+    surface : callable
+        As for `adapted_frames`.
+    s, t : (n,) float
+        Points.
+    model : {"isotropic", "space"}
+        As for `adapted_frames`.
+    order : int
+        Of the jets, 4 or 5.
+
+    Returns
+    -------
+    frames : AdaptedFrames
+        At `RUNS` n points, those of one run after another.
+    """
+    rng = np.random.default_rng(RUNS)
+    jets = jet_variables(np.tile(s, RUNS), np.tile(t, RUNS), order=order)
+    return frames_by(surface, *(RoughJet(jet.c, rng) for jet in jets), model)
+
+
+def errors(jet):
+    """Return a jet of the errors of coefficients that were found `RUNS` times over, n at a time."""
+    every = jet.c.reshape(len(jet.c), RUNS, -1)
+    middle = np.median(every, axis=1)
+    away = np.abs(every - middle[:, None]).max(axis=1)
+    return Jet(SAFETY * away + UNIT * np.abs(middle))
+
+
+def scatter(values):
+    """Return the errors (n, m) of values (RUNS n, m) that were found `RUNS` times over."""
+    every = values.reshape(RUNS, -1, values.shape[-1])
+    return SAFETY * np.abs(every - np.median(every, axis=0)).max(axis=0)

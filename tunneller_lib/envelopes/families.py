@@ -9,8 +9,7 @@ import numpy as np
 
 from ..arguments import LEAST, Angle, Coordinate, HalfAngle, Length, checked, shown
 from .functions import Function, Varying, coordinates, vectors
-from .jet import Jet
-from .triples import add, cross_product, dot_product, times, unit_vector
+from .jet import Jet, add, cross_product, dot_product, times, unit_vector
 
 
 @checked
@@ -26,7 +25,7 @@ def moving_cone(motion: Function(1), half_angle: HalfAngle, *, rate: Angle = 0.0
     half_angle : float
         Of the cone at v = 0, in rad.
     rate : float
-        How it grows with v, in rad; 0 for congruent cones.
+        How fast it grows with v, in rad; 0 for congruent cones.
 
     Returns
     -------
@@ -60,7 +59,7 @@ def moving_cone(motion: Function(1), half_angle: HalfAngle, *, rate: Angle = 0.0
 
 
 def _moved(answer, v):
-    """Return vertex, velocity, axes and angular velocity that a motion answered to the time v."""
+    """Return the vertex, velocity, axes and angular velocity that a motion returned at time v."""
     try:
         vertex, velocity, axes, omega = answer
     except (TypeError, ValueError):
@@ -84,7 +83,7 @@ def channel(curve: Function(1), radius: Length, *, growth: Coordinate = 0.0):
     radius : float
         Of the sphere at s = 0, in m.
     growth : float
-        How it grows with s, in m, slower than the centre moves.
+        How fast it grows with s, in m; it must grow more slowly than the centre moves.
 
     Returns
     -------
@@ -110,7 +109,7 @@ def channel(curve: Function(1), radius: Length, *, growth: Coordinate = 0.0):
 def swept_ball(path: Function(1), radius: Length):
     """Return the envelope of a ball that moves on a curve, a pipe surface.
 
-    As `channel` with congruent spheres, for a path whose acceleration isn't known.
+    It is that of `channel` with congruent spheres, for a path whose acceleration isn't known.
 
     Parameters
     ----------
@@ -129,7 +128,8 @@ def swept_ball(path: Function(1), radius: Length):
     def surface(s, t):
         centre, velocity = vectors("path", path(s), 2, s)
         x, y, z = velocity
-        # Two unit vectors across the velocity, the first across the x axis as well.
+        # Two unit vectors across the velocity, the first across the x axis as well: they need no
+        # second derivative, as Frenet's do.
         n = np.sqrt(y * y + z * z)
         m = np.sqrt(dot_product(velocity, velocity))
         first = [0 * s, -z / n, y / n]

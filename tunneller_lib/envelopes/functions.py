@@ -1,7 +1,7 @@
-"""What callers may give for a function or for its variables, and what such functions must answer.
+"""What callers may give for a function or for its variables, and what such functions must return.
 
 An exception that a caller's own function raises passes through as it is, so that the fault is seen
-where it lies. What the function answers is checked once a call, never within the arithmetic.
+where it lies. What the function returns is checked once a call, never within the arithmetic.
 """
 
 import inspect
@@ -43,7 +43,7 @@ def _takes(function, count):
 
 
 def _varying(name, value):
-    """Return `value`, a jet or an array; a jet's numbers are the caller's own."""
+    """Return a jet as it is, its numbers unchecked, and anything else as a checked array."""
     return value if isinstance(value, Jet) else bounded_array(name, value)
 
 
@@ -57,9 +57,9 @@ Varying = Annotated[ArrayLike | Jet, Rule("(...) float or Jet", _varying)]
 
 
 def coordinates(name, value, like):
-    """Return the three coordinates that the caller's function `name` answered to `like`.
+    """Return the three coordinates that the caller's function `name` returned for `like`.
 
-    Each must be a number, an array or a jet that goes with the points of `like`.
+    Each must be a number, an array or a jet that broadcasts to the points of `like`.
     """
     try:
         x, y, z = value
@@ -75,9 +75,9 @@ def coordinates(name, value, like):
 
 
 def vectors(name, value, count, like):
-    """Return the `count` vectors in the `value` that the caller's function `name` answered.
+    """Return the `count` vectors in the `value` that the caller's function `name` returned.
 
-    Each holds three coordinates that go with the points of `like`, as for `coordinates`.
+    Each holds three coordinates that broadcast to the points of `like`, as for `coordinates`.
     """
     try:
         every = list(value)
@@ -91,14 +91,14 @@ def vectors(name, value, count, like):
 
 
 def one_number(name, value, like):
-    """Return the number, array or jet that the caller's function `name` answered to `like`."""
+    """Return the number, array or jet that the caller's function `name` returned for `like`."""
     if not _is_number(value, like):
         raise ValueError(f"{name}: must return one value f(x, y) a point; got {shown(value)}.")
     return value
 
 
 def as_jet(value, like):
-    """Return what a function answered to the jet `like` as a jet, a constant without slopes."""
+    """Return what a function returned for the jet `like` as a jet; a number has no slopes."""
     return value if isinstance(value, Jet) else like * 0.0 + real("value", value)
 
 

@@ -1,32 +1,89 @@
 """All cones of revolution in third-order contact with a surface (Envelopes, section 5).
 
-At each point `cone_loops` finds the directions of the cones in the adapted frame. Here they become
-cones in space, with a verdict on gouging.
+At each point their directions are the zeros of a trigonometric polynomial in the adapted frame.
+Here they become cones in space, with a verdict on gouging.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import index
 from typing import Literal
 
 import numpy as np
 
-from ..arguments import HalfAngle, Reals, checked
-from ..kernels import compiled
-from ..kernels.elementwise import NUMBERS
-from . import cone_loops
-from .adapted import FLAT, MOST
-from .cone_pose import ConePose, TouchingCone
-from .functions import Function, as_jet, coordinates, one_number
-from .graph_forms import NOISE
-from .jet import jet_variables
+from ..arguments import Angles, HalfAngle, Length, Reals, checked
+from .adapted import FLAT, adapted_frames, isotropic_jet, sound
+from .circle_roots import real_zeros
+from .cone_pose import ConePose
+from .functions import Function
+from .isotropic import cone_planes
+from .jet import Jet, derivative_along, frobenius, principal_values
 
 BLOCK = 1000  # points at a time, whose jets fit the cache
-FEW = 12  # points, up to which plain Python is faster than numpy
-# s that compiled loops save a point, of many points and of few, divided by five: these loops take
-# five times as long to compile as others.
-EACH_OF_MANY, EACH_OF_FEW = 4e-6, 6e-5
 _CONTAINED = 1e-9  # relative residual of order 4 below which the contact is of that order
+
+
+@dataclass(frozen=True, eq=False)
+class TouchingCone:
+    """One cone in third-order contact with a surface, of those that `hyperosculating_cones` finds.
+
+    Parameters
+    ----------
+    pose : ConePose
+        The cone, from its vertex to twice the contact's distance from it.
+    contact, normal : (3,) float
+        Where it touches, in m, and the surface's unit normal there.
+    side : {1, 0, -1}
+        As of `Cones`.
+    verdict : {"free", "gouges", "undecided"}
+        Whether it keeps off the surface near the contact, as far as derivatives to order 4 tell.
+    multiplicity : int
+        How many cones fell together in this one.
+    """
+
+    pose: ConePose
+    contact: np.ndarray
+    normal: np.ndarray
+    side: int
+    verdict: str
+    multiplicity: int
+
+    @checked
+    def planes(self, azimuth: Angles):
+        """Return the cone's tangent planes, oriented as the surface is.
+
+        Parameters
+        ----------
+        azimuth : (...) float
+            In rad, about the axis or its opposite.
+
+        Returns
+        -------
+        n : (..., 3) float
+            Unit normals, that of the surface among them.
+        h : (...) float
+            Constant terms of n.x + h = 0, in m.
+        """
+        axis = (self.side or 1) * np.array(self.pose.axis)
+        return cone_planes(self.pose.vertex, axis, self.pose.half_angle, azimuth)
+
+    @checked
+    def tool(self, towards: Length, away: Length):
+        """Return the pose of a tool of that cone.
+
+        Parameters
+        ----------
+        towards, away : float
+            How far its rulings reach from the contact to the vertex, at most for four fifths of
+            the way, and away from it, in m.
+
+        Returns
+        -------
+        pose : ConePose
+            The cone, cut to that length.
+        """
+        distance = self.pose.far / 2 if self.side else 0.0  # without a side the vertex touches
+        return replace(self.pose, near=max(distance - towards, 0.2 * distance), far=distance + away)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,94 +218,66 @@ def hyperosculating_cones(
     2
     """
     s, t = np.broadcast_arrays(s, t)
-    flat_s = s.ravel()
-    flat_t = t.ravel()
-    compiled.expect(s.size * (EACH_OF_FEW if s.size <= FEW else EACH_OF_MANY), "cones")
-    rho = 0.5 / math.tan(half_angle)
     parts = []
     for first in range(0, max(s.size, 1), BLOCK):
         block = slice(first, first + BLOCK)
-        found = _found(surface, flat_s[block], flat_t[block], rho, model)
-        parts.append(_fields(half_angle, rho, model, first, *found))
-    *rows, count, state = (
-        parts[0] if len(parts) == 1 else map(np.concatenate, zip(*parts, strict=True))
-    )
+        found = _found(surface, s.ravel()[block], t.ravel()[block], half_angle, model)
+        parts.append([first + found[0], *found[1:]])
+    *rows, count, state = map(np.concatenate, zip(*parts, strict=True))
     return Cones(half_angle, *rows, count.reshape(s.shape), state.reshape(s.shape))
 
 
-def _found(surface, s, t, rho, model):
-    """Return what is known of points (n,), and of up to six cones at each.
-
-    Returns
-    -------
-    defined : (n,) bool
-        Whether the surface's derivatives are numbers.
-    shapes : (n, 26) float
-        As of `cone_loops.shape_in_space`.
-    cones : (n, 6, 5) float
-        As of `cone_loops.cones_of`.
-    """
-    variables = jet_variables(s, t)
-    few = s.size <= FEW
-    ready = compiled.ready("cones")
-    with np.errstate(all="ignore"):
-        answer = surface(*variables)
-        if model == "space":
-            three = coordinates("surface", answer, variables[0])
-            given = [as_jet(one, variables[0]).c for one in three]
-            formula, loop = cone_loops.shape_in_space, cone_loops.fill_space
-        else:
-            given = [s, t, as_jet(one_number("surface", answer, variables[0]), variables[0]).c]
-            formula, loop = cone_loops.shape_in_the_model, cone_loops.fill_model
-        finite = [np.isfinite(one) if one.ndim == 1 else np.isfinite(one).all(0) for one in given]
-        defined = np.all(finite, axis=0)
-        if few:
-            shapes = np.empty((s.size, cone_loops.SHAPE))
-            rows = [np.array(one.T, order="C") for one in given]
-            compiled.call_plain(loop, *rows, shapes, **NUMBERS)
-        else:
-            shapes = np.stack(np.broadcast_arrays(*formula(*given)), axis=-1)
-        if not few and not ready:
-            cones = cone_loops.cones_of(shapes.T, rho)
-            return defined, shapes, np.stack([np.stack(one, axis=-1) for one in cones], axis=1)
-    cones = np.empty((s.size, 6, 5))
-    call = compiled.call if ready else compiled.call_plain
-    call(cone_loops.fill_cones, shapes, rho, cones, **NUMBERS)
-    return defined, shapes, cones
-
-
-def _fields(half_angle, rho, model, first, defined, shapes, cones):
-    """Return the fields of `Cones` but the angle, by what `_found` knows of points from `first`."""
-    contact, tangent, other, normal, rest = np.split(shapes, (3, 6, 9, 12), axis=1)
-    known, curvature = rest.T[:2]
+def _found(surface, s, t, half_angle, model):
+    """Return the fields of `Cones` but the angle, of all cones at points s, t (n,)."""
+    frames = adapted_frames(surface, s, t, model)
     # In space a ratio of 0 is a curvature 0: planes that stand still, no graph in the model. The
     # planes of a graph always turn: there it is points of contact that stand still, K infinite.
-    flat = curvature <= FLAT
+    flat = frames.curvature <= FLAT
     state = np.where(flat, "flat" if model == "space" else "singular", "regular").astype("<U11")
-    # What is too great for products of three derivatives counts as not defined, too. A point that
-    # isn't smooth has no curvature to speak of, so this verdict goes before.
-    smooth = defined & (known > NOISE) & np.isfinite(contact).all(axis=1)
-    state[~(smooth & (flat | (np.abs(rest[:, 2:]).max(axis=1) <= MOST)))] = "outside"
-    e_c, e_s, multiplicity, fee, order4 = np.moveaxis(cones, -1, 0)
-    regular = state == "regular"
-    there = (multiplicity > 0) & regular[:, None]
-    count = there.sum(axis=-1)
-    # The cubic's mean over the circle is 0, so it has zeros: none means that it is 0 itself.
-    state[regular & (count == 0)] = "spherical"
-    # From here on a row is a cone: `point` is its point's number, `row` its place among the six
-    # there.
-    point, row = np.nonzero(there)
-    c, s = e_c[point, row], e_s[point, row]
-    by_angle = np.lexsort((np.arctan2(s, c), point))
-    point, row, c, s = point[by_angle], row[by_angle], c[by_angle, None], s[by_angle, None]
-    fee, order4 = fee[point, row], order4[point, row]
-    f2 = rest.T[2:5, point]
+    # A point that isn't smooth has no curvature to speak of, so this verdict goes before.
+    state[~frames.smooth] = "outside"
+    point = np.flatnonzero(state == "regular")
+    f = isotropic_jet(frames, point)
+    # What is too great for products of three derivatives counts as not defined, too.
+    regular = sound(f)
+    state[point[~regular]] = "outside"
+    point = point[regular]
+    f = Jet(f.c[:, regular])
+
+    # With the ruling along w and e across it, contact is of order 3 where rho f_eee + 3 f_ew = 0.
+    rho = 0.5 / math.tan(half_angle)
+    two, three, four = (frobenius(f, k) for k in (2, 3, 4))
+
+    def third_order(a):
+        return rho * derivative_along(f, a, 3) + 3 * derivative_along(f, a, 1, 1)
+
+    angle, multiplicity = real_zeros(third_order, 3, unit=rho * three + 3 * two)
+    count = np.zeros(len(s), dtype=int)
+    count[point] = np.count_nonzero(multiplicity, axis=-1)
+    # The polynomial's mean over the circle is 0, so it has zeros: none means that it is 0 itself.
+    state[point[count[point] == 0]] = "spherical"
+    fee = derivative_along(f, angle, 2)
+    terms = [
+        rho**2 * derivative_along(f, angle, 4),
+        6 * rho * derivative_along(f, angle, 2, 1),
+        3 * (derivative_along(f, angle, 0, 2) - fee),
+    ]
+    # All terms of Eq. 12 may vanish together: then what rounding leaves is compared with a
+    # thousandth of the forms as a whole.
+    floor = 1e-3 * (rho**2 * four + 6 * rho * three + 3 * two)[:, None]
+    order4 = sum(terms) / np.maximum(sum(np.abs(term) for term in terms), floor)
+
+    # From here on a row is a cone; `at` is its point's place among the regular ones.
+    row = multiplicity > 0
+    at, _ = np.nonzero(row)
+    angle, multiplicity, fee, order4 = (c[row] for c in (angle, multiplicity, fee, order4))
+    point = point[at]
+    first, second, normal = np.moveaxis(frames.axes[point], 1, 0)
+    contact = frames.contact[point]
     # The vertex is off by rho f_ee: nearer than rounding puts it, it is the contact itself.
-    near = np.abs(fee) <= 1e-12 * cone_loops.norm2(f2)
-    side = np.where(near, 0, np.sign(fee)).astype(int)
-    normal = normal[point]
-    contact = contact[point]
-    w = c * other[point] - s * tangent[point]  # e turned by a right angle: the ruling's line
+    side = np.where(np.abs(fee) <= 1e-12 * two[at], 0, np.sign(fee)).astype(int)
+    # The ruling's line: e turned by a right angle.
+    w = np.cos(angle)[:, None] * second - np.sin(angle)[:, None] * first
     vertex = contact - (rho * fee)[:, None] * w
     # This axis belongs to a cone on the normal's side, with the vertex behind along w; on the other
     # side both turn. A vertex in the contact has no side: it keeps the first.
@@ -257,21 +286,9 @@ def _fields(half_angle, rho, model, first, defined, shapes, cones):
     # K > 0: along w, where the cone is straight, the surface bends to the cone's side, and enters.
     # K < 0: along w it bends away; across, in the direction conjugate to w, both agree to order 3,
     # and order 4 tells whether it enters there.
-    K = 4 * f2[0] * f2[2] - f2[1] * f2[1]  # its sign is that of the Gaussian curvature
+    K = principal_values(f).prod(axis=-1)[at]  # of the sign of the Gaussian curvature
     gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     undecided = ~gouges & (np.abs(order4) <= _CONTAINED)
-    return (
-        first + point,
-        contact,
-        normal,
-        vertex,
-        axis,
-        side,
-        np.abs(rho * fee),
-        order4,
-        gouges,
-        undecided,
-        multiplicity[point, row].astype(int),
-        count,
-        state,
-    )
+    distance = np.abs(rho * fee)
+    cones = point, contact, normal, vertex, axis, side, distance
+    return *cones, order4, gouges, undecided, multiplicity, count, state

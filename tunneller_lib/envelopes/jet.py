@@ -1,12 +1,13 @@
-"""Truncated Taylor series of order 4 or 5 in two variables, at many points at once.
+"""Truncated Taylor series in two variables, at many points at once, and their directions.
 
 A function built from ordinary arithmetic and numpy's elementary functions, called with two `Jet`
-arguments, returns its Taylor polynomial: all derivatives to that order, without differences.
+arguments, returns its Taylor polynomial: all derivatives to order 4 or 5, without differences.
+The last part has derivatives along directions that turn: binary forms in the direction.
 """
 
 from functools import cached_property
-from itertools import product
-from math import factorial
+from itertools import pairwise, product
+from math import comb, factorial
 
 import numpy as np
 
@@ -17,15 +18,20 @@ HIGHEST = 5
 # Exponents (i, j) of h^i k^j, by degree: 1, h, k, h^2, hk, k^2, ..., k^5.
 _ALL = tuple((d - j, j) for d in range(HIGHEST + 1) for j in range(d + 1))
 _PLACE = {exponents: place for place, exponents in enumerate(_ALL)}
-_COUNT = {order: (order + 1) * (order + 2) // 2 for order in (ORDER, HIGHEST)}
+_COUNT = {order: (order + 1) * (order + 2) // 2 for order in range(HIGHEST + 1)}
 _ORDER = {count: order for order, count in _COUNT.items()}
-EXPONENTS = _ALL[: _COUNT[ORDER]]
+_MANY = 300  # points; from here on it is faster to multiply one pair of rows after another
+
+
+def exponents(order):
+    """Return the exponents (i, j) of h^i k^j, in the order of a jet's coefficients."""
+    return _ALL[: _COUNT[order]]
 
 
 def _pairs(order):
-    """Return which pairs of coefficients belong to a product's, and where each one's begin."""
+    """Return which pairs of coefficients make those of a product, and where each one's begin."""
     # A product's coefficient of one place is the sum over all pairs whose exponents add up to it.
-    every = _ALL[: _COUNT[order]]
+    every = exponents(order)
     pairs = sorted(
         (_PLACE[i + k, j + m], _PLACE[i, j], _PLACE[k, m])
         for (i, j), (k, m) in product(every, every)
@@ -35,9 +41,16 @@ def _pairs(order):
     return left, right, np.searchsorted(target, np.arange(len(every)))
 
 
+def _above(order):
+    """Return which coefficients make a derivative's by h, and by k, and times which exponents."""
+    by_h = [(i + 1, j) for i, j in exponents(order - 1)]
+    by_k = [(i, j + 1) for i, j in exponents(order - 1)]
+    factors = [np.array([pair[axis] for pair in way]) for axis, way in enumerate((by_h, by_k))]
+    return [([_PLACE[p] for p in way], f) for way, f in zip((by_h, by_k), factors, strict=True)]
+
+
 _PAIRS = {count: _pairs(order) for order, count in _COUNT.items()}
-_MANY = 300  # points, from which on numpy is faster with one pair of rows after the other
-_PLAIN = (float, int)
+_ABOVE = {count: _above(order) for count, order in _ORDER.items() if order}
 
 
 class Jet(np.lib.mixins.NDArrayOperatorsMixin):
@@ -45,14 +58,15 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
     Parameters
     ----------
-    c : (15 or 21, ...) float
-        Coefficients of h^i k^j by degree, those of k highest last, to order 4 or 5; one polynomial
-        a point.
+    c : (1, 3, 6, 10, 15 or 21, ...) float
+        Coefficients of h^i k^j by degree, those of k highest last, to an order from 0 to 5; one
+        polynomial a point.
 
     Notes
     -----
     Jets go with numbers, with arrays of one value a point, with + - * / ** and with the numpy
-    functions of `_FUNCTIONS`. Where a function isn't smooth the coefficients are NaN or infinite.
+    functions of `_FUNCTIONS`. Of two jets the lower order is that of the result. Where a function
+    isn't smooth the coefficients are NaN or infinite.
 
     Examples
     --------
@@ -114,64 +128,23 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         with np.errstate(all="ignore"):
             return function(*arguments)
 
-    # The same as by `__array_ufunc__`, without numpy's way there, which takes as long as the work.
-
-    def __add__(self, other):
-        with np.errstate(all="ignore"):
-            return _add(self, other)
-
-    __radd__ = __add__
-
-    def __sub__(self, other):
-        with np.errstate(all="ignore"):
-            return _subtract(self, other)
-
-    def __rsub__(self, other):
-        with np.errstate(all="ignore"):
-            return _subtract(other, self)
-
-    def __mul__(self, other):
-        with np.errstate(all="ignore"):
-            return _multiply(self, other)
-
-    def __rmul__(self, other):
-        with np.errstate(all="ignore"):
-            return _multiply(other, self)
-
-    def __truediv__(self, other):
-        with np.errstate(all="ignore"):
-            return _divide(self, other)
-
-    def __rtruediv__(self, other):
-        with np.errstate(all="ignore"):
-            return _divide(other, self)
-
     # A jet is a value: `jet += 1` makes another one, since a caller may still hold the first.
-    __iadd__ = __add__
-    __isub__ = __sub__
-    __imul__ = __mul__
-    __itruediv__ = __truediv__
+    __iadd__ = np.lib.mixins.NDArrayOperatorsMixin.__add__
+    __isub__ = np.lib.mixins.NDArrayOperatorsMixin.__sub__
+    __imul__ = np.lib.mixins.NDArrayOperatorsMixin.__mul__
+    __itruediv__ = np.lib.mixins.NDArrayOperatorsMixin.__truediv__
     __ipow__ = np.lib.mixins.NDArrayOperatorsMixin.__pow__
 
 
 def derivative(f, i, j):
-    """Return what `Jet.derivative` does, unchecked: for inner loops."""
+    """Return the values of a derivative as `Jet.derivative` does, unchecked, for inner loops."""
     return factorial(i) * factorial(j) * f.c[_PLACE[i, j]]
-
-
-def places(f):
-    """Return the place in a jet's coefficients of each pair of exponents."""
-    return {exponents: _PLACE[exponents] for exponents in _ALL[: len(f.c)]}
 
 
 def differentiated(f, axis):
     """Return the jet of a derivative by the first (0) or second (1) variable, an order lower."""
-    c = np.zeros_like(f.c)
-    for place, exponents in enumerate(_ALL[: len(f.c)]):
-        if exponents[axis]:
-            lower = (exponents[0] - (axis == 0), exponents[1] - (axis == 1))
-            c[_PLACE[lower]] = exponents[axis] * f.c[place]
-    return Jet(c)
+    rows, factors = _ABOVE[len(f.c)][axis]
+    return Jet((factors * f.c[rows].T).T)
 
 
 @checked
@@ -205,86 +178,59 @@ def jet_variables(s: Reals, t: Reals, *, order: Whole(ORDER, HIGHEST) = ORDER):
     return tuple(jets)
 
 
-def compose(jets, s, t):
-    """Return jets of functions of (h, k), with the jets `s` and `t`, of value 0, put for h and k.
-
-    Parameters
-    ----------
-    jets : sequence of Jet
-        Functions of (h, k).
-    s, t : Jet
-        Functions of two new variables, of value 0.
-
-    Returns
-    -------
-    composed : list of Jet
-        Functions of the new variables, to the order that all of them have.
-    """
-    # All products s^i t^j, each from one before; the values are added last, as s and t have none.
-    powers = {(0, 0): 1.0, (1, 0): s, (0, 1): t}
-    every = _ALL[: len(s.c)]
-    with np.errstate(all="ignore"):
-        for i, j in every[3:]:
-            powers[i, j] = _multiply(s, powers[i - 1, j]) if i else _multiply(t, powers[0, j - 1])
-        terms = [powers[exponents].c for exponents in every[1:]]
-        composed = [sum(term * c for term, c in zip(terms, jet.c[1:], strict=True)) for jet in jets]
-    return [Jet(c) + jet.value for c, jet in zip(composed, jets, strict=True)]
-
-
-def inverse(x, y):
-    """Return the variables as functions of two jets, where these have a regular Jacobian.
+def by_slopes(x, y, fx, fy):
+    """Return a function's jet in two other variables, by its slopes in them.
 
     Parameters
     ----------
     x, y : Jet
-        Functions of (h, k); their values don't matter.
+        The other variables, as functions of the jets' own.
+    fx, fy : Jet
+        The derivatives of the function by x and by y, as functions of the jets' own variables.
 
     Returns
     -------
-    h, k : Jet
-        Functions of (x - x0, y - y0), of value 0; not finite where the Jacobian vanishes.
+    f : Jet
+        In powers of (x - x0) and (y - y0), of value 0 and one order more than the slopes; not
+        finite where the Jacobian of x and y vanishes.
     """
-    origin = np.zeros_like(x.value)
-    h, k = jet_variables(origin, origin, order=x.order)
-    (_, xh, xk), (_, yh, yk) = x.c[:3], y.c[:3]
     with np.errstate(all="ignore"):
-        determinant = xh * yk - xk * yh
-        xh, xk, yh, yk = (entry / determinant for entry in (xh, xk, yh, yk))
-    # x = xh h + xk k + bent(h, k): the linear part is undone exactly, what bends by substitution.
-    bent = [Jet(np.concatenate([np.zeros_like(j.c[:3]), j.c[3:]])) for j in (x, y)]
-    with np.errstate(all="ignore"):
-        s = Jet(yk * h.c - xk * k.c)
-        t = Jet(xh * k.c - yh * h.c)
-        for _ in range(x.order - 1):  # each round makes one more order right
-            x_left, y_left = (
-                start.c - part.c for start, part in zip((h, k), compose(bent, s, t), strict=True)
-            )
-            s = Jet(yk * x_left - xk * y_left)
-            t = Jet(xh * y_left - yh * x_left)
-    return s, t
+        (xh, xk), (yh, yk) = ((differentiated(c, 0), differentiated(c, 1)) for c in (x, y))
+        # The chain rule: d/dx = h_x d/dh + k_x d/dk, by the inverse of the Jacobian.
+        over = (xh * yk - xk * yh).reciprocal
+        by_x = yk * over, -yh * over
+        by_y = -xk * over, xh * over
+        row = [fx, fy]  # all derivatives of one degree, the last one by y alone
+        c = [np.zeros_like(fx.value)]
+        for degree in range(1, HIGHEST + 1):
+            c += [d.value / (factorial(degree - j) * factorial(j)) for j, d in enumerate(row)]
+            if min(one.order for one in row) == 0:
+                break
+            last = row[-1]
+            row = [_along(one, by_x) for one in row] + [_along(last, by_y)]
+    return Jet(np.array(c))
+
+
+def _along(f, way):
+    """Return the derivative of a jet in a direction whose components are jets as well."""
+    return way[0] * differentiated(f, 0) + way[1] * differentiated(f, 1)
 
 
 def _constant(value, like):
+    """Return a number, or an array of one a point, as a jet of the order of another."""
     points = np.broadcast_shapes(np.shape(value), like.c.shape[1:])
     c = np.zeros((len(like.c), *points))
     c[0] = value
     return Jet(c)
 
 
-def _raised(a, value):
-    """Return a jet plus a number, or an array with one at each of its points."""
-    c = a.c.copy()
-    c[0] += value
-    return Jet(c)
-
-
 def _both(a, b):
-    """Return two operands, of which at least one is a jet, as jets at points of as many axes."""
+    """Return two operands, at least one a jet, as jets of one order at points of as many axes."""
     a = a if isinstance(a, Jet) else _constant(a, b)
     b = b if isinstance(b, Jet) else _constant(b, a)
-    if a.c.ndim != b.c.ndim:
-        return Jet(_widened(a.c, b.c.ndim - 1)), Jet(_widened(b.c, a.c.ndim - 1))
-    return a, b
+    count = min(len(a.c), len(b.c))
+    ndim = max(a.c.ndim, b.c.ndim) - 1
+    return Jet(_widened(a.c[:count], ndim)), Jet(_widened(b.c[:count], ndim))
 
 
 def _widened(c, ndim):
@@ -297,11 +243,6 @@ def _widened(c, ndim):
 
 
 def _add(a, b):
-    if not isinstance(a, Jet):
-        a, b = b, a
-    # Most of what isn't a jet is a number, or has the points' shape.
-    if type(b) in _PLAIN or (getattr(b, "shape", None) == a.c.shape[1:] and not isinstance(b, Jet)):
-        return _raised(a, b)
     a, b = _both(a, b)
     return Jet(a.c + b.c)
 
@@ -312,14 +253,14 @@ def _subtract(a, b):
 
 def _multiply(a, b):
     if not isinstance(b, Jet):
-        return Jet(a.c * b) if type(b) in _PLAIN else Jet(_widened(a.c, np.ndim(b)) * b)
+        return Jet(_widened(a.c, np.ndim(b)) * b)
     if not isinstance(a, Jet):
-        return Jet(a * b.c) if type(a) in _PLAIN else Jet(a * _widened(b.c, np.ndim(a)))
-    if a.c.ndim != b.c.ndim:
+        return Jet(a * _widened(b.c, np.ndim(a)))
+    if a.c.ndim != b.c.ndim or len(a.c) != len(b.c):
         a, b = _both(a, b)
     left, right, starts = _PAIRS[len(a.c)]
     if max(a.c[0].size, b.c[0].size) < _MANY:
-        # Of few points `take` takes half the time of an index.
+        # All pairs at once: with few points the time goes into calls, not into numbers.
         pairs = a.c.take(left, axis=0) * b.c.take(right, axis=0)
         return Jet(np.add.reduceat(pairs, starts, axis=0))
     c = np.empty(np.broadcast_shapes(a.c.shape, b.c.shape))
@@ -384,7 +325,7 @@ def _arctan(x):
 
 
 def _repeated(*derivatives):
-    """Return the coefficients of a function whose derivatives come round again."""
+    """Return the Taylor coefficients of a function whose derivatives repeat in a cycle."""
     return [derivatives[n % len(derivatives)] / factorial(n) for n in range(HIGHEST + 1)]
 
 
@@ -409,9 +350,118 @@ _FUNCTIONS = {
 
 
 def _turns(x):
+    """Return the sine and its first three derivatives."""
     return np.sin(x), np.cos(x), -np.sin(x), -np.cos(x)
 
 
 def _names():
+    """Return the names of the functions that jets go with, operators left out."""
     operators = {"add", "subtract", "multiply", "divide", "power", "negative", "positive"}
     return sorted({f.__name__ for f in _FUNCTIONS} - operators)
+
+
+# ---- derivatives along directions that turn ------------------------------------------------------
+
+
+def derivative_along(f, angle, e, w=0):
+    """Return a jet's derivatives `e` times along e, `w` times along w, at direction angles.
+
+    Parameters
+    ----------
+    f : Jet
+        At n points.
+    angle : (n or 1, m) float
+        Angles of e = (cos, sin), in rad; w = (-sin, cos) is e turned by a right angle.
+    e, w : int
+        How often by each; together at most the order of the jet.
+
+    Returns
+    -------
+    derivative : (n, m) float
+        A binary form in e of degree e + w.
+    """
+    c, s = np.cos(angle), np.sin(angle)
+    degree = e + w
+    form = [derivative(f, degree - k, k)[:, None] for k in range(degree + 1)]
+    # Each way takes one index of the symmetric tensor of derivatives: a degree less is left.
+    for x, y in [(c, s)] * e + [(-s, c)] * w:
+        form = [x * first + y * second for first, second in pairwise(form)]
+    return form[0]
+
+
+def frobenius(f, degree):
+    """Return the Frobenius norms (n,) of a jet's tensors of derivatives of one degree."""
+    form = [derivative(f, degree - k, k) for k in range(degree + 1)]
+    # As often as a derivative is an entry of the tensor: binomial coefficients.
+    weights = np.cumprod([1.0, *((degree - k) / (k + 1) for k in range(degree))])
+    return np.sqrt(sum(weight * entry**2 for weight, entry in zip(weights, form, strict=True)))
+
+
+def frobenius_along(f, angle, width, degree):
+    """Return Frobenius norms (n, m) of derivatives by e and by w as long as a width.
+
+    Parameters
+    ----------
+    f, angle
+        As for `derivative_along`.
+    width : (n, m) float
+        The length of w; with 1 the norm is `frobenius`.
+    degree : int
+        Of the derivatives, at most the order of the jet.
+
+    Returns
+    -------
+    norm : (n, m) float
+        In the unit of the derivatives.
+    """
+    terms = (
+        comb(degree, k) * (width**k * derivative_along(f, angle, degree - k, k)) ** 2
+        for k in range(degree + 1)
+    )
+    return np.sqrt(sum(terms))
+
+
+def principal(f):
+    """Return a Hessian's eigenvalues (n,), low and high, and the low one's direction, 0 to pi."""
+    a = derivative(f, 2, 0)
+    b = derivative(f, 1, 1)
+    c = derivative(f, 0, 2)
+    mean = (a + c) / 2
+    half = np.hypot((a - c) / 2, b)
+    # Half of arctan2(2 b, a - c) is the direction of the high one.
+    return mean - half, mean + half, np.arctan2(2 * b, a - c) / 2 + np.pi / 2
+
+
+def principal_values(f):
+    """Return the Hessian's eigenvalues (n, 2), the low one first."""
+    return np.stack(principal(f)[:2], axis=-1)
+
+
+# ---- vectors as lists of three coordinates, each a number, an array or a jet ---------------------
+
+
+def cross_product(a, b):
+    """Return the vector product of two vectors."""
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
+def dot_product(a, b):
+    """Return the scalar product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def add(first, *others):
+    """Return the sum of vectors, the first and the others."""
+    for other in others:
+        first = [a + b for a, b in zip(first, other, strict=True)]
+    return first
+
+
+def times(c, a):
+    """Return the multiple c of a vector a."""
+    return [c * part for part in a]
+
+
+def unit_vector(a):
+    """Return a vector a, scaled to length 1."""
+    return times(1 / np.sqrt(dot_product(a, a)), a)

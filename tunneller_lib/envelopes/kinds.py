@@ -2,7 +2,8 @@
 
 A tool envelops a surface if two forms of a direction e have a common zero at each point, see
 `evidence`. In the adapted frame, with w across e, the forms are made of f_ee, f_ew, f_eee and so
-on. `KINDS` holds a member for each class; what a class doesn't have raises as it isn't defined.
+on. `KINDS` holds one member for each class. What makes no sense for a class, as the sizes of
+channels, raises NotImplementedError.
 """
 
 from functools import partial
@@ -11,18 +12,23 @@ from typing import NamedTuple
 import numpy as np
 
 from .circle_roots import Waves, real_zeros
-from .evidence import SHARP, Forms, zeros
-from .forms import derivative_along, frobenius, frobenius_along, principal, principal_values
-from .jet import derivative
-from .rough import RUNS, scatter
+from .evidence import RUNS, SHARP, Forms, scatter, zeros
+from .jet import (
+    derivative,
+    derivative_along,
+    frobenius,
+    frobenius_along,
+    principal,
+    principal_values,
+)
 
-NEEDLE = 1e-4  # rad, a cone sharper than this, or as blunt, is not looked for
-UMBILIC = 1e-9  # relative difference of principal radii, below which they count as equal
+NEEDLE = 1e-4  # rad; half-angles nearer than this to 0 or pi/2 are not looked for
+UMBILIC = 1e-9  # relative difference of principal radii, up to which they count as equal
 TRIALS = 4  # points whose own solutions are tried as a common radius or angle
-SURE = 10.0  # times its error, from which on a gradient isn't zero
-SIMPLE = 1e-5  # of its terms, from which on the slope at a zero is that of a simple one
-ROUND = 1e-3  # |K|/|II|^2, from which on a point may tell all half-angles that it allows
-BENT = 0.1  # and from which on its evidence isn't asked to be sharper
+SURE = 10.0  # a gradient above so many times its error isn't zero
+SIMPLE = 1e-5  # a zero is simple if the slope there is above this share of its terms
+ROUND = 1e-3  # |K|/|II|^2; above it a point can tell all half-angles that it allows
+BENT = 0.1  # |K|/|II|^2; below it the evidence must be sharper
 _SOME = np.pi * np.arange(12)[None] / 12  # directions
 _MANY = np.pi * np.arange(180)[None] / 180
 
@@ -82,18 +88,19 @@ class Envelope:
         size, unsure : float
             The radius in m or half-angle in rad, and by how much it may be off.
         floor : float
-            Order 4 is compared with the sum of its terms, or this share of the jet if that is
-            more.
+            Order 4 is compared with the sum of its terms, or with this share of the size of the
+            jet if that is more.
 
         Returns
         -------
         conditions : Forms
-            Theorem 4; Corollary 25; Corollary 28; Corollary 29; Eqs 11 and 12.
+            By Theorem 4 for ruled surfaces, Corollaries 25, 28 and 29 for cylinders, channels and
+            pipes, Eqs 11 and 12 for cones.
         """
         raise NotImplementedError
 
     def residual(self, f, size):
-        """Return the worst point's residual, 0 to 1, and for which size of the tool.
+        """Return the residual of the worst point, 0 to 1, and the size of the tool for it.
 
         Parameters
         ----------
@@ -105,8 +112,8 @@ class Envelope:
         Returns
         -------
         residual : float
-            What the condition of the highest order leaves, over the size of its terms, where those
-            of lower order are solved; so it has no unit.
+            What the condition of the highest order leaves where those of lower order hold, over
+            the size of its terms; it has no unit.
         size : float or None
             As given, or found; None of channels, and of spheres, which fit every half-angle.
         """
@@ -117,26 +124,27 @@ class Envelope:
         raise NotImplementedError
 
     def found_again(self, runs, angle):
-        """Return the directions (RUNS n, m) that each run has near those of their middle."""
+        """Return the directions (RUNS n, m) of each run near given ones, `angle` (RUNS n, m)."""
         raise NotImplementedError
 
     def gradients(self, f, angle):
         """Return derivatives of the size along e and across it, times a factor, with their terms.
 
-        Those are two pairs of (n, m), for the jet f in adapted frames and angles (n, m) of e.
+        These are two pairs of (n, m): the derivative, and the sum of the sizes of its terms. The
+        jet f is one in adapted frames, and `angle` (n, m) that of e.
         """
         raise NotImplementedError
 
     def size_at(self, f, angle):
-        """Return the size that belongs to directions at an angle in adapted frames of a jet f."""
+        """Return the sizes (n, m) that belong to directions at angles (n, m), for a jet f."""
         return derivative_along(f, angle, 2) / 2
 
     def simple(self, runs, angle):
-        """Tell where tools are surely simple solutions, by found-again angles of the runs."""
+        """Tell where solutions are surely simple, by the angles `found_again` in the runs."""
         return True
 
     def scaled(self, size, share):
-        """Return the size that is larger by a share."""
+        """Return a size that is larger by a share."""
         return (1 + share) * size
 
     def counted(self, f, off, evidence):
@@ -144,7 +152,7 @@ class Envelope:
         return evidence
 
     def steadiness(self, runs, angle, sharp):
-        """Return where the sizes that belong to directions stay over the surface, and where not.
+        """Return where the sizes that belong to directions stay the same over the surface.
 
         At a point some cone of some half-angle has contact of order 4 with nearly every surface.
         On an envelope its half-angle is the same everywhere, so its gradient is zero: a condition
@@ -159,7 +167,7 @@ class Envelope:
             Of the directions, in rad, NaN where there is none: zeros of f_eee for cylinders, of
             `eliminated` for cones; for pipes the two principal ones.
         sharp : float or (n, 1) float
-            Relative error of the gradient above which it doesn't tell.
+            Relative error above which a gradient doesn't tell.
 
         Returns
         -------
@@ -362,15 +370,23 @@ class _Cone(Envelope):
         # e and -e are one zero here, and have rho of either sign: of the two one is a cone.
         found = self.size_at(f, angle / 2)
         found[(found < NEEDLE) | (found > np.pi / 2 - NEEDLE)] = np.nan
-        if np.isnan(found).all():  # a sphere fits every angle, and what fits none fits not this one
+        # A sphere fits every angle; a surface that no angle fits doesn't fit this one either.
+        if np.isnan(found).all():
             return of(np.pi / 4), None
         return _common(found, of)
 
     def sizes(self, f, off, runs):
+        """Return the half-angles that each point allows.
+
+        Zeros of the eliminated form are directions of cones, and each direction gives a half-angle
+        with its error. The circles of a channel's own spheres give others. Left out are half-angles
+        that are vague, out of range, or change over the surface, and zeros without one of their
+        own. A point's list is complete if it lacks none that isn't known well.
+        """
         # Both conditions hold the half-angle. Without it they are one form, of degree 8 in the
         # direction and the same for its opposite: hence `b / 2`. Each zero has its own half-angle.
         two, three = (frobenius(off, k)[:, None] for k in (2, 3))
-        slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True)
+        slack = scatter(eliminated(runs, _SOME)).max(axis=-1, keepdims=True)  # the form's error
         angle, spread, _ = zeros(lambda b: eliminated(f, b / 2), 4, slack[:, 0])
         angle, spread = angle / 2, spread / 2
         # The last eight of `zeros` are places where the form only turns. There it must be as near
@@ -397,7 +413,7 @@ class _Cone(Envelope):
         circle = ~np.isnan(of_circle)
         none = np.zeros_like(circle)
         # A zero of the eliminated form at such a circle, where both derivatives vanish, has no
-        # half-angle of its own.
+        # half-angle of its own: 0/0.
         passing = circle.any(axis=-1)[:, None] & (np.abs(up) <= off_up) & (np.abs(down) <= off_down)
         passing, stays, changes = (
             np.hstack([part, none]) for part in (passing, steady.stays, steady.changes)
@@ -544,7 +560,7 @@ def _constant(size):
 
 
 def _newton(waves, angle, times):
-    """Return zeros of polynomials in a multiple of the angle, by Newton's steps from near ones."""
+    """Return zeros of polynomials in a multiple of the angle, by Newton steps from near them."""
     for _ in range(2):
         value, slope = (waves.derivative(times * angle, k) for k in (0, 1))
         angle = angle - value / slope / times
@@ -570,7 +586,7 @@ def _line_contact(f, value, beside):
 
 
 def _common(candidates, residual):
-    """Return the least residual, and for which value, of values that the points may share."""
+    """Return the least residual and its value, among candidates (n, m) that the points share."""
     best = (1.0, None)
     # The value that all points share is among the candidates of each: those of a few points do.
     for row in candidates[:: max(1, len(candidates) // TRIALS)]:

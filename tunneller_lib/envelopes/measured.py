@@ -1,4 +1,4 @@
-"""Measured surfaces: points and normals with noise, as in Example 32, and surfaces through them.
+"""Measured surfaces: polynomials through points and normals with noise, as in Example 32.
 
 Over the plane of the mean normal a surface is a polynomial z of two coordinates. A point says what
 z is and a normal what its slopes are, so both together are one linear least-squares problem, whose
@@ -10,98 +10,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ..arguments import (
-    LEAST,
-    MOST,
-    Directions,
-    Length0,
-    NotNegative,
-    Number,
-    Points,
-    Positive,
-    Whole,
-    checked,
-)
+from ..arguments import LEAST, Directions, Length0, NotNegative, Points, checked
 from ..kernels.exact import norm
-from .functions import Centre, Function, UnitVectors, Varying
-from .graph_forms import normal
-from .isotropic import surface_points
+from .functions import UnitVectors, Varying
 from .jet import Jet
 
 MOST_DEGREE = 16
 LEAST_DEGREE = 4
 MORE = 2  # degrees above the least that noise allows: what is left out is then less than noise
-FEWEST = 250  # points, fewer than which are not fitted
+FEWEST = 250  # points, the least number that is fitted
 STEEP = 0.4  # cosine between a normal and the mean, below which a polynomial isn't tried
-UNLIKELY = 5.0  # standard deviations of a sum of squares
+UNLIKELY = 5.0  # standard deviations that a sum of squares of noise isn't above its mean
 ROUNDING = 1e-13  # of the patch, the least error of a point
 BEYOND = 2.0  # times the patch, how far a polynomial is followed
-Slope = Number(-MOST, MOST)
-
-
-@checked
-def tilted(n: UnitVectors, turn: Slope, rng: np.random.Generator):
-    """Return unit normals (..., 3), each turned in a random direction as Example 32 turns them.
-
-    Parameters
-    ----------
-    n : (..., 3) float
-        Unit normals.
-    turn : float
-        The document's r, the tangent of the angle.
-    rng : numpy.random.Generator
-        Draws the directions.
-
-    Returns
-    -------
-    tilted : (..., 3) float
-        Unit normals.
-    """
-    # A normal vector's direction is uniform over the sphere, so this product's is about n.
-    aside = np.cross(rng.normal(size=n.shape), n)
-    n = n + turn * aside / norm(aside)[..., None]
-    return n / norm(n)[..., None]
-
-
-@checked
-def noisy_planes(
-    f: Function(2),
-    place: Centre,
-    rng: np.random.Generator,
-    *,
-    turn: Slope,
-    count: Whole(1, 100_000),
-    reach: Positive,
-):
-    """Return contact points of a graph's planes about a place, and their normals, turned.
-
-    Parameters
-    ----------
-    f : callable
-        Of x and y, in m. What it raises itself passes through.
-    place : (2,) float
-        The middle of the disk of the model over which the planes lie.
-    rng : numpy.random.Generator
-        Draws places and turns.
-    turn : float
-        Of each normal, as for `tilted`.
-    count : int
-        How many planes.
-    reach : float
-        Radius of the disk.
-
-    Returns
-    -------
-    contact : (count, 3) float
-        Where the planes touch the surface before they turn, in m.
-    n : (count, 3) float
-        Unit normals.
-    """
-    angle = 2 * np.pi * rng.random(count)
-    away = reach * np.sqrt(rng.random(count))
-    x, y = np.array(place)[:, None] + away * np.array([np.cos(angle), np.sin(angle)])
-    n = np.stack(normal(x, y), axis=-1)
-    return surface_points(f, x, y), tilted(n, turn, rng)
 
 
 @checked
@@ -233,10 +154,9 @@ def fit_surface(
 
     Examples
     --------
-    >>> from tunneller_lib.envelopes.families import cyclide
-    >>> planes = {"turn": 1e-6, "count": 800, "reach": 0.15}
-    >>> data = noisy_planes(cyclide, (0.45, 0.45), np.random.default_rng(0), **planes)
-    >>> fit_surface(*data, contact_error=0.0, normal_error=1e-6).fits
+    >>> n = np.random.default_rng(0).uniform(0.3, 0.9, (300, 3))
+    >>> n /= norm(n)[:, None]  # of a ball, which are its points as well
+    >>> fit_surface(n, n, contact_error=0.0, normal_error=1e-6).fits
     True
     """
     contact, n = (part.reshape(-1, 3) for part in np.broadcast_arrays(contact, n))
@@ -282,6 +202,8 @@ def _equations(local, n, reach, contact_error, normal_error):
     A normal that turns by a small angle changes the slope along the gradient by that times
     1 + |gradient|^2, and the slope across by that times the root.
     """
+    # A point gives an equation for the height, a normal two for the slopes: uphill and across.
+    # Chebyshev polynomials keep the columns apart; powers of a high degree would be alike.
     x, y, z = local.T
     slope = -n[:, :2] / n[:, 2:]
     steep = 1 / n[:, 2]  # root of 1 + |gradient|^2
@@ -302,7 +224,9 @@ def _equations(local, n, reach, contact_error, normal_error):
 
 
 def _degree(image):
-    """Return the least degree that noise allows, and some more."""
+    """Return the least degree beyond which coefficients are noise, plus `MORE`."""
+    # If all coefficients from a degree on are noise, the sum of their squares is about their
+    # number.
     gain = np.cumsum(image[::-1] ** 2)[::-1]  # of all coefficients from each one on
     for degree in range(LEAST_DEGREE, MOST_DEGREE):
         first = _count(degree)
@@ -313,6 +237,7 @@ def _degree(image):
 
 
 def _count(degree):
+    """Return how many coefficients a polynomial of a degree has."""
     return (degree + 1) * (degree + 2) // 2
 
 

@@ -67,7 +67,7 @@ def pseudo_envelope(half_angle: HalfAngle, *, offset: Coordinate = 0.0):
 
 
 def double_root(half_angle, r):
-    """Return sin(a) of the double cones at r: its sum with its inverse is (1/r - r)/tan(theta)."""
+    """Return sin(a) of the double cones at r; it plus its inverse is (1/r - r)/tan(theta)."""
     tau = np.tan(half_angle)
     s = (1 - r) * (1 + r) / r
     return 2 * tau / (s + np.sqrt((s - 2 * tau) * (s + 2 * tau)))

@@ -44,16 +44,16 @@ def c99_text(made: Program):
 
 def _blocks(made):
     """Return the structures and function blocks of a `Program`."""
-    return [block for block in read_blocks(made.text) if block.kind != "PROGRAM"]
+    return [block for block in read_blocks(made.blocks + made.text) if block.kind != "PROGRAM"]
 
 
 @checked
 def plcopen_xml(made: Program):
     """Return a `Program` in PLCopen XML (TC6, 2.01): the same texts, their variables apart."""
     types, pous = [], []
-    for block in read_blocks(made.text):
+    for block in read_blocks(made.blocks + made.text):
         if block.kind == "STRUCT":
-            fields = _tag("struct", *_variables(block.rows("VAR")))
+            fields = _tag("struct", *_variables(block.rows("VAR", "VAR CONSTANT")))
             types.append(_tag("dataType", _tag("baseType", fields), name=block.name))
             continue
         parts = (_tag(XML_WORDS[kind], *_variables(rows)) for kind, rows in block.sections)

@@ -261,6 +261,7 @@ def write_all(job, cut, folder, numbers, say):
         "controller.h": lambda: c99_header(controller),
         "controller.c": lambda: c99_text(controller),
         "controller.st": lambda: controller.text,
+        "blocks.st": lambda: controller.blocks,
         "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
         "wall.vtk": lambda: vtk(cut.wall, plan.circuit, job.stamp),

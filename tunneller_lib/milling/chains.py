@@ -9,12 +9,12 @@ from ..envelopes import hyperosculating_cones
 from ..envelopes.functions import as_jet
 from ..envelopes.jet import jet_variables
 from ..kernels.exact import dot, norm
-from .patch import Patch
+from .faces import Patch
 from .positions import Cloud, Positions, depths_of
 from .tools import ConicalMill
 
-MOST_TURN = np.cos(np.radians(15))  # of the axis from one position to the next
-BETWEEN = 4  # places from one position to the next at which that is looked at
+MOST_TURN = np.cos(np.radians(15))  # cosine of the greatest turn of the axis in one step
+BETWEEN = 4  # places from one position to the next at which gouging is looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,15 +172,17 @@ def motion_through(tip, axis):
 
 
 def _trace(patch, mill, s, t, axis, step, most):
-    """Return the rows of a `Chain` from a start on; steps below zero go back."""
-    rows, heading = [], None
+    """Return the rows of a `Chain` from a start on; a negative step goes backwards."""
+    rows = []
+    heading = None
     while _within(patch, s, t) and len(rows) <= most:
         here = _taken(patch, mill, s, t, axis, heading, step)
         if here is None:
             break
         row, rate, axis, heading = here
         rows.append(row)
-        # Midpoint rule: half a step as the start says, from there the way of the whole step.
+        # Midpoint rule: half a step in the direction of the start; there the direction of the
+        # whole step is found.
         middle = s + rate[0] / 2, t + rate[1] / 2
         between = _within(patch, *middle) and _taken(patch, mill, *middle, axis, heading, step)
         if not between:
@@ -202,7 +204,8 @@ def _taken(patch, mill, s, t, axis, heading, step):
     if turn.max(initial=-1.0) < MOST_TURN:
         return None
     k = int(turn.argmax())
-    contact, axis = cones.contact[k], cones.axis[k]
+    contact = cones.contact[k]
+    axis = cones.axis[k]
     normal = patch.side * cones.normal[k]
     way, inverse = conjugate_frame(patch, s, t, (contact - cones.vertex[k]) / cones.distance[k])
     across = np.cross(normal, way)
@@ -214,7 +217,7 @@ def _taken(patch, mill, s, t, axis, heading, step):
 
 
 def conjugate_frame(patch, s, t, ruling):
-    """Return the direction across the characteristic, and what turns tangents to parameters.
+    """Return the direction across the characteristic, and a matrix from tangents to parameters.
 
     Parameters
     ----------
@@ -235,7 +238,7 @@ def conjugate_frame(patch, s, t, ruling):
     """
     variables = jet_variables(s, t)
     taylor = np.stack([as_jet(c, variables[0]).c for c in patch.surface(*variables)], axis=-1)
-    tangents = taylor[1:3]
+    tangents = taylor[1:3]  # by s and by t
     normal = np.cross(*tangents)
     # The second fundamental form, times the normal's length, which the unit vector doesn't need.
     ss, st, tt = (dot(c, normal) for c in (2 * taylor[3], taylor[4], 2 * taylor[5]))

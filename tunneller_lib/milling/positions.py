@@ -1,4 +1,4 @@
-"""Positions of a conical mill in third-order contact with a patch, and why others don't fit."""
+"""Positions of a conical mill in third-order contact with a patch, and why some don't fit."""
 
 from dataclasses import dataclass
 
@@ -6,13 +6,13 @@ import numpy as np
 
 from ..arguments import Array, Length0, Reals, Whole, checked
 from ..envelopes import hyperosculating_cones
-from .patch import Patch
+from .faces import Patch
 from .tools import ConicalMill, seen_from
 
-BLOCK = 200_000  # pairs of a position and a point that are looked at together
-CLOSER = 3  # windows, one in another, in which the deepest point is looked for between the mesh's
+BLOCK = 200_000  # pairs of a position and a point that are handled together, to save memory
+CLOSER = 3  # nested windows in which the deepest point is looked for between those of the mesh
 AROUND = 7  # points each way in a window, of which the first is two cells wide
-ROUNDS = 20  # at most, in which it goes on
+ROUNDS = 20  # of such a search, at most
 Cloud = Array("(n, 3) float", "m", last="x, y, z")
 
 
@@ -36,7 +36,7 @@ class Positions:
         How deep mill and holder enter the patch, in m; infinite for a position on the other side
         or off the cutting part, where that isn't asked.
     others_enter : (k,) float
-        How deep the deepest of the other points is in mill or holder, in m, likewise.
+        How deep the deepest of the other points lies in mill or holder, in m, likewise.
     reason : (k,) str
         "fits", or the first reason why not: "on the other side", "off the cutting part",
         "gouges at its contact", "enters the surface elsewhere", "holder enters the surface",
@@ -161,8 +161,8 @@ def depths_of(patch, mill, tip, axis, others, n):
     depths = np.zeros((3, len(tip)))
     s, t = (part.ravel() for part in patch.parameters(n))
     mesh = patch.points(s, t)
-    # Of the patch the deepest point is looked for between those of the mesh; of other points only
-    # they themselves are known.
+    # On the patch the deepest point is looked for between those of the mesh; what lies between
+    # the other points isn't known.
     beside = np.empty((0, 3)) if others is None else others
     parts = mill.cutting, mill.holder
     size = max(1, BLOCK // (len(mesh) + len(beside)))

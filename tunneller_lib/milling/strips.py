@@ -1,4 +1,4 @@
-"""What a mill leaves that moves along chains: its error, strips' widths, coverage, scallops."""
+"""What a mill that moves along chains leaves: its error, widths of strips, coverage, scallops."""
 
 from dataclasses import dataclass, replace
 
@@ -10,16 +10,16 @@ from ..envelopes.adapted import tangent_graph
 from ..envelopes.jet import derivative
 from ..kernels.exact import dot, norm
 from .chains import Chain, motion_through, trace_chain
-from .patch import Patch
+from .faces import Patch
 from .positions import Cloud, Positions
 from .tools import BallMill, ConicalMill, CylinderMill, seen_from
 
-BLOCK = 200_000  # pairs of a place of the mill and a point that are looked at together
-BETWEEN = 8  # places from one position to the next, about the nearest of which a search begins
+BLOCK = 200_000  # pairs of a place of the mill and a point that are handled together
+BETWEEN = 8  # places from one position to the next; a search begins at the nearest of them
 CLOSER = 12  # halvings of the step between places: the least distance is off by its square
 FEWEST = 6  # positions of a chain that is kept
 LEAST = 0.01  # of the patch's area, that a chain must add
-TRIED = 6  # starts a round, of which the one is taken whose strip adds most
+TRIED = 6  # starts in a round; the one whose strip adds most is taken
 
 Mill = ConicalMill | CylinderMill | BallMill
 Chains = Each(Chain, some=True)
@@ -27,12 +27,12 @@ Chains = Each(Chain, some=True)
 
 @checked
 def sweep_error(points: Points, mill: Mill, chain: Chain):
-    """Return how far points are from what a mill sweeps along a chain.
+    """Return how far points are from the space that a mill sweeps along a chain.
 
     Parameters
     ----------
     points : (..., 3) float
-        As of the surface that is wanted, in m.
+        Such as points of the wanted surface, in m.
     mill : ConicalMill, CylinderMill or BallMill
         Only its cutting part counts.
     chain : Chain
@@ -41,7 +41,7 @@ def sweep_error(points: Points, mill: Mill, chain: Chain):
     Returns
     -------
     error : (...) float
-        In m: above zero what stays on the surface, below zero how deep it is cut.
+        In m: what stays on the surface if positive, how deep it is cut if negative.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def sweep_error(points: Points, mill: Mill, chain: Chain):
 def _closer(points, mill, motion, where, step, last):
     """Return the least distances (n,) of points from a moving mill, near places (n,) of its way.
 
-    By halving the step to either side: a parabola through three distances would be off where the
+    The step to either side is halved: a parabola through three distances would be off where the
     nearest part of the mill changes, as at its edges.
     """
 
@@ -116,7 +116,7 @@ class Strip:
 
 @checked
 def strip_across(patch: Patch, mill: Mill, chain: Chain, *, reach: Length, m: Whole(1, 500) = 100):
-    """Return what a mill leaves along lines across a chain, at all but its first and last two.
+    """Return what a mill leaves along lines across a chain, but for its first and last two places.
 
     Parameters
     ----------
@@ -141,6 +141,8 @@ def strip_across(patch: Patch, mill: Mill, chain: Chain, *, reach: Length, m: Wh
     inner = slice(2, -2)
     s, t = (part[inner] for part in (chain.s, chain.t))
     frames = adapted_frames(patch.surface, s, t, "space")
+    # The tangents by s and t, in the frames; their pseudoinverse turns a direction on the surface
+    # into rates of s and t.
     first = np.stack([np.stack(c.c[1:3], axis=-1) for c in frames.r], axis=1)
     rate = (np.linalg.pinv(first) @ (frames.axes @ chain.across[inner, :, None]))[..., 0]
     away = np.linspace(-reach, reach, 2 * m + 1)
@@ -158,7 +160,7 @@ def strip_across(patch: Patch, mill: Mill, chain: Chain, *, reach: Length, m: Wh
 def ball_chain(chain: Chain, mill: BallMill):
     """Return a chain with a ball in place of its mill, which touches where the mill does.
 
-    It isn't in the document, and serves to compare. Its axis is the mill's.
+    It isn't in the document and serves to compare. The axis stays that of the mill.
     """
     return replace(chain, tip=chain.contact + mill.radius * (chain.normal - chain.axis))
 
@@ -167,7 +169,7 @@ def ball_chain(chain: Chain, mill: BallMill):
 def cylinder_chain(patch: Patch, chain: Chain, mill: CylinderMill, *, which: Sign = 1):
     """Return a chain with a cylinder in place of its mill, whose flank touches where the mill does.
 
-    It isn't in the document, and serves to compare. The axis lies in the tangent plane so that the
+    It isn't in the document and serves to compare. The axis lies in the tangent plane so that the
     gap to the surface vanishes to second order in one direction, and is nowhere negative to that
     order; there are two such axes. The contact is at the middle of the cylinder's length.
 
@@ -351,7 +353,7 @@ def _spread(contact, rows):
 
 
 def _gain(error, alone, area, tolerance):
-    """Return the area that one more strip, what it leaves alone, brings within a tolerance."""
+    """Return the area that one more strip brings within a tolerance; `alone` is what it leaves."""
     return float(area[(np.abs(error) > tolerance) & (np.abs(alone) <= tolerance)].sum())
 
 
@@ -379,7 +381,7 @@ def find_scallops(patch: Patch, mill: Mill, chains: Chains, *, m: Whole(2, 500) 
     chains : list of Chain
         Of positions of this mill.
     m : int
-        Points of a line at which it is looked for.
+        Points of each line at which the height is looked for.
 
     Returns
     -------
@@ -401,7 +403,7 @@ def find_scallops(patch: Patch, mill: Mill, chains: Chains, *, m: Whole(2, 500) 
         for name in ("contact", "across", "s", "t")
     )
     owner = np.array([c for c, _ in inner])
-    pairs = set()
+    pairs = set()  # of contacts on two chains, each pair once
     for k in range(len(inner)):
         away = contact - contact[k]
         distance = norm(away)

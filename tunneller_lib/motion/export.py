@@ -6,8 +6,10 @@ copied and the rest is replaced word by word; numbers come from tables of consta
 
 import re
 import textwrap
+from collections import namedtuple
 from importlib.resources import files
-from typing import NamedTuple
+
+import numpy as np
 
 from ..arguments import Whole, checked
 
@@ -22,6 +24,7 @@ WORDS = [
     (r"\bOR\b", "||"), (r"\bNOT ", "!"), (r"\b(TRUE|FALSE)\b", lambda m: m[0].lower()),
     (r"\bMOD\b", "%"), (r"\bDINT_TO_LREAL\(", "(double)("), (r"\bTRUNC\(", "(int32_t)("),
     (r"\b(SQRT|SIN|COS|ATAN2?)\(", lambda m: m[0].lower()), (r"\bABS\(", "fabs("),
+    (r"\bjob\.", ""),
 ]  # fmt: skip
 C_HEAD = """#include <math.h>
 #include <stdbool.h>
@@ -39,29 +42,12 @@ COMMENT = r"(\(\*.*?\*\))"
 COUNTED = r"\s[-+*/]\s|(?<=[\s(])-(?=[A-Za-z(])| MOD |\b(?:SQRT|SIN|COS|ATAN2?)\("
 
 
-class Row(NamedTuple):
-    """A variable.
-
-    Parameters
-    ----------
-    name : str
-        Of the variable.
-    last : str
-        The last index of an array that begins at 0, empty for one value.
-    kind : str
-        The type of one value as Structured Text has it.
-    begin, comment : str
-        Its initial value and its comment, empty where there is none.
-    """
-
-    name: str
-    last: str
-    kind: str
-    begin: str
-    comment: str
+# A variable: its name, the last index of an array that begins at 0 (empty for one value), the type
+# of one value as Structured Text has it, its initial value and comment (empty where there is none).
+Row = namedtuple("Row", "name last kind begin comment")
 
 
-class Block(NamedTuple):
+class Block(namedtuple("Block", "kind name sections body")):
     """A function block, a program or a structure in Structured Text.
 
     Parameters
@@ -73,11 +59,6 @@ class Block(NamedTuple):
     body : str
         The statements, one a line.
     """
-
-    kind: str
-    name: str
-    sections: list
-    body: str
 
     def rows(self, *kinds):
         """Return the variables of some sections."""
@@ -94,9 +75,15 @@ def read_rows(text):
 
 
 def read_blocks(text):
-    """Return the `Block` list of a text, its structures first."""
-    found = re.findall(STRUCT, text, re.S)
-    blocks = [Block("STRUCT", name, [("VAR", read_rows(rows))], "") for name, rows in found]
+    """Return the `Block` list of a text, its structures first.
+
+    A structure whose fields all have values holds constants.
+    """
+    blocks = []
+    for name, fields in re.findall(STRUCT, text, re.S):
+        rows = read_rows(fields)
+        section = "VAR CONSTANT" if all(row.begin for row in rows) else "VAR"
+        blocks.append(Block("STRUCT", name, [(section, rows)], ""))
     for kind, name, variables, body in re.findall(BLOCK, text, re.S):
         sections = re.findall(r"(VAR.*)\n((?s:.*?))END_VAR\n", variables)
         rows = [(section, read_rows(rows)) for section, rows in sections]
@@ -104,30 +91,15 @@ def read_blocks(text):
     return blocks
 
 
-def with_constants(text, constants):
-    """Return a text each of whose blocks has those `constants` that it uses.
-
-    They are a dict of numbers and of lists of numbers, by their names.
-    """
-
-    def filled(found):
-        kind, name, variables, body = found.groups()
-        rows = "".join(
-            f"    {key} : {_iec_kind(value)} := {_number(value)};\n"
-            for key, value in constants.items()
-            if re.search(rf"\b{key}\b", body)
-        )
-        own = f"VAR CONSTANT\n{rows}END_VAR\n" if rows else ""
-        return f"{kind} {name}\n{variables}{own}{body}END_{kind}\n"
-
-    return re.sub(BLOCK, filled, text, flags=re.S)
-
-
-def _iec_kind(value):
-    """Return the type of a number, or of a list of them."""
-    if isinstance(value, list):
-        return f"ARRAY [0..{len(value) - 1}] OF {_iec_kind(value[0])}"
-    return "LREAL" if isinstance(value, float) else "DINT"
+def constant_rows(constants):
+    """Return the declarations of a dict of numbers, and of arrays of numbers, by their names."""
+    rows = []
+    for key, value in constants.items():
+        values = np.asarray(value)
+        size = f"ARRAY [0..{len(values) - 1}] OF " if values.ndim else ""
+        kind = "LREAL" if values.dtype == float else "DINT"
+        rows.append(f"        {key} : {size}{kind} := {_number(values.tolist())};\n")
+    return "".join(rows)
 
 
 def _number(value):
@@ -135,7 +107,7 @@ def _number(value):
     if isinstance(value, list):
         texts = list(map(_number, value))
         rows = [", ".join(texts[i : i + 8]) for i in range(0, len(texts), 8)]
-        return "[" + ",\n        ".join(rows) + "]"
+        return "[" + ",\n            ".join(rows) + "]"
     # Structured Text wants a point before an exponent: 5e-05 isn't legal.
     return re.sub(r"^(-?\d+)e", r"\1.0e", repr(value))
 
@@ -154,7 +126,7 @@ def c99_types(blocks):
     for block in blocks:
         rows = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
         fields = [f"    {_declared(row)};{row.comment and f' /* {row.comment} */'}" for row in rows]
-        texts += ["typedef struct {", *fields, f"}} {block.name};"]
+        texts += ["typedef struct {", *fields, f"}} {block.name};"] if rows else []
         if begun := [f".{row.name} = {row.begin.lower()}" for row in rows if row.begin]:
             texts.append(f"#define {block.name.upper()}_BEGIN {{{', '.join(begun)}}}")
         texts += [f"{_head(block)};", ""] if block.body else [""]
@@ -179,8 +151,12 @@ def _declared(row):
 
 
 def _head(block):
-    """Return the head of the function that is a call of a block; other tasks write externals."""
-    shared = (f", volatile {row.kind} *{row.name}" for row in block.rows("VAR_EXTERNAL"))
+    """Return the head of the function that is a call of a block.
+
+    Another task writes an external, but for the job, whose numbers are constants in C.
+    """
+    shared = (f", volatile {row.kind} *{row.name}" for row in block.rows("VAR_EXTERNAL")
+              if row.name != "job")  # fmt: skip
     return f"void {block.name.lower()}({block.name} *c{''.join(shared)})"
 
 
@@ -205,13 +181,10 @@ def _c_body(block):
 
 
 @checked
-def line_text(*, parts: Whole(1, 2**16) | None = None):
-    """Return the integer line of one axis in Structured Text.
-
-    With `parts` of a count, or without its constant for a text that has others, too.
-    """
+def line_text(*, parts: Whole(1, 2**16)):
+    """Return the integer line of one axis, with `parts` of a count, in Structured Text."""
     text = files(__package__).joinpath("line.st").read_text(encoding="utf-8")
-    return with_constants(text, {} if parts is None else {"nParts": parts})
+    return text.replace("@PARTS", str(parts))
 
 
 @checked

@@ -94,7 +94,7 @@ class Face:
         self._say = say or (lambda tick: None)
         corners = self._posed(circuit.in_tunnel(np.concatenate([np.zeros((1, 3)), np.eye(3)])))
         self._turned = (corners[1:] - corners[0]).T
-        self._way = setvalues[:1]  # of the cutter since it was last cut, as joint positions
+        self._go_on(setvalues[:1])
         self._area = np.zeros(3)  # m^2, of the ball's front, as `DexelGrid.front` has it
         rate = engaged_areas(circuit, plan.s) * plan.feed
         self._most = float(rate.max()) * plan.tick  # m^3, that a tick takes of whole grooves
@@ -119,7 +119,7 @@ class Face:
         centres = self._centres(way, run)
         moved = float(np.sum(norm(centres[1:] - centres[:-1])))
         if moved <= STILL:  # what is cut by so little is known later
-            self._way = way
+            self._go_on(way)
             return None
         turns = np.diff(way, axis=0)
         steps = np.diff(self.stepped[run])
@@ -128,7 +128,7 @@ class Face:
         meant = self._taken(self._area, turns, steps)
         if abs(meant - volume) <= CLOSE * max(volume, HARDLY * self._most):
             self.removed[end - 1] = self.wall.cut_path(centres, self.radius)
-            self._way = way[-1:]
+            self._go_on(way[-1:])
             return None
         if self._tries == MOST_TRIES:
             if self._together == 1:
@@ -160,7 +160,7 @@ class Face:
         """Return the `Push` of the ticks from `tick` on, with the front as it is known."""
         stop = self._stops[np.searchsorted(self._stops, tick, side="right")]
         ticks = slice(tick, min(tick + self._together, stop))
-        moves = self._moves(self._way[-1])
+        moves = self._moves
         self.front[ticks] = self._area @ moves
         steps = np.diff(self.stepped[ticks.start : ticks.stop + 1])
         self.stepping[ticks] = np.maximum(-self._area[0] * steps, 0.0) / self.plan.tick
@@ -176,7 +176,7 @@ class Face:
 
     def _taken(self, area, turns, steps):
         """Return the volume, in m^3, that a front of this area vector takes in turns and steps."""
-        turned = turns @ (area @ self._moves(self._way[-1]))
+        turned = turns @ (area @ self._moves)
         return float(np.maximum(turned, 0.0).sum() + np.maximum(-area[0] * steps, 0.0).sum())
 
     def _fitting(self, area, volume, turns, steps):
@@ -186,13 +186,17 @@ class Face:
             return area * (volume / taken)
         # On rays that were passed on the way no front is left, and where it turned back, less than
         # none. What lacks faces the way, as straight as `_taken` has it.
-        way = self._moves(self._way[-1]) @ turns.sum(axis=0)
+        way = self._moves @ turns.sum(axis=0)
         way[0] -= steps.sum()
         return area + (volume - area @ way) * way / max(way @ way, STILL**2)
 
-    def _moves(self, position):
-        """Return how the cutter moves (3, 2) by each joint at a position (2,), in m/rad."""
-        return self._turned @ self.torus.velocity(position, np.eye(2)).T
+    def _go_on(self, way):
+        """Keep the cutter's way since it was last cut, as joint positions (n, 2).
+
+        And how the cutter moves (3, 2) by each joint at its end, in m/rad: tries ask again.
+        """
+        self._way = way
+        self._moves = self._turned @ self.torus.velocity(way[-1], np.eye(2)).T
 
     def _centres(self, position, ticks):
         """Return the cutter's centres (n, 3), in m, at positions of some ticks of the run."""

@@ -6,12 +6,12 @@ from ..arguments import Angle, Array, Length0, Points, Radii, checked
 from ..surfaces import Machine, Section
 from ..surfaces.solid import Solid
 
-ANGLES = 360  # from y, at which a solid's outermost points are looked at first
+ANGLES = 360  # angles from y at which the outermost points of a solid are looked at first
 GOLDEN = (np.sqrt(5) - 1) / 2
-SECTIONS = 34  # after which an angle is known to its half of the digits, and a least depth to all
-POSES = 512  # that are looked at together, to keep within memory
+SECTIONS = 34  # golden ones; then an angle has half of its digits, and a least depth all
+POSES = 512  # handled together, to save memory
 AS_GIVEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)  # a frame that isn't turned
-ROUNDED = 1e-9  # of products of a rotation's rows
+ROUNDED = 1e-9  # by how much products of the rows of a rotation may be off
 
 
 @checked
@@ -53,7 +53,7 @@ def rod_clearance(section: Section, a: Points, b: Points, radius: Radii):
 
 
 def _turn_frames(turn):
-    """Return whether matrices have rows that are perpendicular and 1 long."""
+    """Return whether matrices have perpendicular rows of length 1."""
     return np.all(np.abs(turn @ np.moveaxis(turn, -1, -2) - np.eye(3)) <= ROUNDED)
 
 

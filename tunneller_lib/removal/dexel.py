@@ -1,4 +1,4 @@
-"""Grids of intervals, dexels: what is left of a block or of a tunnel's wall after cuts."""
+"""Grids of intervals (dexels): what is left of a block or of a tunnel's wall after cuts."""
 
 import os
 
@@ -9,23 +9,21 @@ from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
 from ..surfaces.solid import Solid
-from . import dexel_loops
-from .grid import Lines, fan, parallel, swept
+from .grid import Lines, fan, meet_moves, parallel, swept
 
 GROUP = 8  # moves of a path that are cut together
-MOVE = 4e-4  # s, about how long one takes with whole arrays
-LEAN = 1e-2  # cosine, at least, between a line and the ball's normal where a cut ends
-GREATER = 2  # times the lines of the widest window: so many may that of moves cut together have
+MOVE = 4e-4  # s, about what one move takes with whole arrays
+LEAN = 1e-2  # the least cosine that is taken between a line and the ball's normal
+GREATER = 2  # moves are cut together if their window has at most this times the widest one's lines
 
-
-# What arguments may be, in this room and above it.
+# What arguments may be, in this room and in those above it.
 Shape = Wholes("(2,) int", 1, 2**53)
 Centres = Array("(n, 3) float", "m", last="x, y, z")
 Distances = Array("() or (m,) float", "m", low=0.0)
 
 
 class DexelGrid:
-    """Material as intervals on a grid of lines, made by `cartesian` or `radial`; cuts change it.
+    """Material as intervals on a grid of lines, made by `cartesian` or `radial`.
 
     Parameters
     ----------
@@ -233,9 +231,10 @@ class DexelGrid:
         return volume, area
 
     def _facing(self, slot, place, enter, leave, centre, radius):
-        """Return the area vector (3,), in m^2, of a ball about a `centre` where cuts end at it.
+        """Return the area vector (3,), in m^2, of the part of a ball that cuts.
 
-        Where they enter and leave the material of a `slot`, not where they go beyond it.
+        That is where cuts `enter` and `leave` within the material of a `slot`, on the ball about a
+        `centre`; a cut that ends outside the material has no face there.
         """
         lines = self.lines
         i, j = place
@@ -256,7 +255,7 @@ class DexelGrid:
         return area
 
     def _sweep(self, a, b, radius, window):
-        """Remove what a ball sweeps in consecutive moves from a to b (k, 3); return the volume."""
+        """Remove what a ball sweeps in moves from a to b (k, 3) and return the volume."""
         removed = 0.0
         for i, j, enters, leaves in self._met_by(a, b, radius, window):
             for enter, leave in zip(enters, leaves, strict=True):
@@ -264,10 +263,10 @@ class DexelGrid:
         return removed
 
     def _met_by(self, a, b, radius, window):
-        """Yield lines, i and j, of a window that have material in reach of moves, and cuts of them.
+        """Yield the lines i, j of a window whose material moves may reach, and their cuts.
 
-        The moves go from a to b (k, 3), a ball of this radius in m. Cuts are where they enter and
-        leave these lines, one row for all moves or one each.
+        The moves take a ball of this radius, in m, from a to b (k, 3). Cuts are where it enters and
+        leaves these lines: one row for all moves together, or one for each.
         """
         # Most lines of the window were cut as far as this by earlier moves. One ball about all
         # these moves, larger by more than its rounding, tells which lines have material in reach,
@@ -280,10 +279,9 @@ class DexelGrid:
             yield met(a, b, radius, middle, about, rows, columns)
 
     def _moves_at_once(self, a, b, radius, middle, about, rows, columns):
-        """Return lines, i and j, of a window that have material in reach, and cuts of them.
+        """Return what `_met_by` yields of one window, by whole arrays.
 
-        Parameters: moves from a to b (k, 3) of a ball of this radius, the middle and the radius of
-        a ball about them, in m, and the window. A cut is where it enters and leaves these lines.
+        A ball about the `middle` of the radius `about` holds all moves, in m.
         """
         enter, leave = self.lines.meet_ball(middle, about, rows, columns)
         low = self.low[:, rows, columns]
@@ -307,13 +305,13 @@ class DexelGrid:
         return i, j, first[-1:], last[-1:]
 
     def _moves_one_by_one(self, a, b, radius, middle, about, rows, columns):
-        """Return the same by a compiled loop."""
+        """Return what `_moves_at_once` does, with the same bits, by a compiled loop."""
         size = (rows.stop - rows.start) * (columns.stop - columns.start)
         i, j = np.empty((2, size), dtype=int)
         enter, leave = np.empty((2, 1 + len(a), size))
         x, cos, sin, aside, _, _ = self.lines
         found, apart = compiled.call(
-            dexel_loops.meet_moves,
+            meet_moves,
             self.low,
             self.high,
             (x, cos, sin, aside),
@@ -331,7 +329,7 @@ class DexelGrid:
         return i[:found], j[:found], enter[cuts, :found], leave[cuts, :found]
 
     def _met(self, enter, leave, i, j):
-        """Yield slot, places, and where a cut enters and leaves, of the intervals that it meets.
+        """Yield the intervals that a cut meets: their slot and lines, where it enters and leaves.
 
         A piece that is split off meanwhile, into a later slot, isn't met again: it begins where
         the cut leaves.
@@ -344,14 +342,14 @@ class DexelGrid:
                 yield slot, (i[met], j[met]), enter[met], leave[met]
 
     def _shared(self, slot, place, enter, leave):
-        """Return the volume that intervals share with a rod, and the intervals."""
+        """Return the volume that intervals share with a cut, and the ends of the intervals."""
         low = self.low[slot][place]
         high = self.high[slot][place]
         shared = self.lines.measure(np.maximum(low, enter), np.minimum(high, leave))
         return float(np.sum(shared)), low, high
 
     def _taken(self, enter, leave, i, j):
-        """Take a cut from lines i, j, and return the volume."""
+        """Take a cut from the lines i, j and return the volume."""
         removed = 0.0
         for slot, place, first, last in self._met(enter, leave, i, j):
             volume, low, high = self._shared(slot, place, first, last)
@@ -368,7 +366,7 @@ class DexelGrid:
         return removed
 
     def _add(self, place, low, high):
-        """Put intervals into the first slots that are free at their places."""
+        """Put intervals into the first free slots of their lines."""
         free = self.high[(slice(None), *place)] <= self.low[(slice(None), *place)]
         if not np.all(free.any(axis=0)):
             _refuse(self.low.shape[1:], len(self.low) + 1)
@@ -388,7 +386,7 @@ def _count(window):
 
 
 def _on_lines(name, sides, shape):
-    """Return ends of intervals, in m, one for each line of a grid of this shape (n, m)."""
+    """Return ends of intervals, in m, broadcast to the lines of a grid of this shape (n, m)."""
     try:
         return np.broadcast_to(sides, shape)
     except ValueError:
@@ -398,14 +396,14 @@ def _on_lines(name, sides, shape):
 
 
 def allowed_memory():
-    """Return the bytes that may be taken: half of the computer's."""
+    """Return how many bytes may be taken: half of the computer's memory."""
     if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2
     return 2.0**32
 
 
 def check_fits(shape, each, memory, what):
-    """Raise ValueError if `what`, as a `shape` counts them, of `each` bytes, exceed `memory`."""
+    """Raise ValueError if a `shape` of `what`, `each` of so many bytes, exceeds the `memory`."""
     need = each * shape[0] * shape[1]
     if need > memory:
         share = np.sqrt(memory / need)

@@ -1,4 +1,4 @@
-"""What cutting asks for: force and power from the ground that is removed.
+"""The force and the power that cutting takes, from the ground that is removed.
 
 Cutting takes a specific energy E, the work for each cubic metre. A cutter at the speed v removes A
 cubic metres for each metre of its way, so that its power is E A v. The picks, which go round the
@@ -18,7 +18,7 @@ PickSpeed = Number(LEAST, MOST, "m/s")
 @dataclass(frozen=True)
 @checked
 class Ground:
-    """Ground and picks: assumptions, all of them.
+    """Ground and picks; all numbers are assumptions.
 
     Parameters
     ----------
@@ -27,9 +27,9 @@ class Ground:
     pick_speed : float
         Of the picks round the head, in m/s.
     normal : float
-        Force out of the wall over that against the feed.
+        Ratio of the force out of the wall to the force against the feed.
     ripple : float
-        Amplitude of both forces over their mean, as the picks enter one after the other; below 1.
+        Amplitude of both forces over their mean, below 1: the picks enter one after the other.
     ripple_frequency : float
         Its frequency, in Hz.
 
@@ -64,5 +64,5 @@ class Ground:
 
     @checked
     def pulse(self, time: Reals):
-        """Return the force (...) over its mean at times in s."""
+        """Return the ratio of the force to its mean (...) at times in s."""
         return 1 + self.ripple * np.sin(2 * np.pi * self.ripple_frequency * time)

@@ -1,16 +1,16 @@
-"""What a ball removes along its path: Tunnelling robot, section 3.3.2."""
+"""The volume that a ball removes along its path: Tunnelling robot, section 3.3.2."""
 
 import numpy as np
 
 from ..arguments import MOST, Array, Length, Lengths, checked
 
+_RADII = f"hold radii above zero, of at most {MOST:g} m or infinite"
 Walls = Array(
-    "(...) float", "m", loose=True,
-    also=(
-        f"hold radii above zero, of at most {MOST:g} m or infinite",
-        lambda wall: np.all((wall > 0) & ((wall <= MOST) | np.isinf(wall))),
-    ),
-)  # fmt: skip
+    "(...) float",
+    "m",
+    loose=True,
+    also=(_RADII, lambda wall: np.all((wall > 0) & ((wall <= MOST) | np.isinf(wall)))),
+)
 
 
 @checked

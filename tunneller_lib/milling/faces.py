@@ -1,0 +1,329 @@
+"""Surfaces to be milled: a ring of blades, a face by control points, a patch with a side.
+
+The ring stands for the industrial impeller of the document (Example 33, Fig. 11), which isn't
+public.
+"""
+
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+
+from ..arguments import (
+    LEAST,
+    Angle,
+    Array,
+    Coordinate,
+    Length,
+    NotNegative,
+    Reals,
+    Sign,
+    Whole,
+    checked,
+)
+from ..envelopes.cone_pose import ConePose
+from ..envelopes.functions import Function, Varying
+from ..envelopes.jet import Jet
+
+SLENDER = 1e6  # times a hub's radius: no size of a blade is above it
+LEAST_DEGREE, MOST_DEGREE = 3, 9
+Knots = Array("(k,) float", also=("not fall", lambda knots: np.all(np.diff(knots) >= 0)))
+Range = Array("(2,) float", also=("ascend", lambda ends: ends[0] < ends[1]))
+
+
+@dataclass(frozen=True)
+@checked
+class BladeRing:
+    """Equal thin blades about the z axis, hyperbolic at the proportions of the study.
+
+    Parameters
+    ----------
+    hub, height, chord : float
+        Radius at a blade's foot, its height outwards and its length along the ring, in m.
+    stagger, twist : float
+        Angle between blade and axis at the foot, and how much it grows to the tip, in rad.
+    camber, bow : float
+        Rise of the blade's arc at the foot's middle and lag of its tip, in m.
+    blades : int
+        How many, from 2 to 1000.
+
+    Raises
+    ------
+    ValueError
+        If a length isn't above zero, a number not finite, a size above a million times the hub's
+        radius, or there are fewer than 2 blades.
+
+    Examples
+    --------
+    >>> ring = BladeRing(0.06, 0.03, 0.05, 0.0, 0.5, 0.0, 0.0, 6)
+    >>> ring.mesh(3).shape
+    (3, 3, 3)
+    """
+
+    hub: Length
+    height: Length
+    chord: Length
+    stagger: Angle
+    twist: Angle
+    camber: Coordinate
+    bow: Coordinate
+    blades: Whole(2, 1000)
+
+    def __post_init__(self):
+        for name in ("height", "chord", "camber", "bow"):
+            size = abs(getattr(self, name))
+            if size > SLENDER * self.hub:
+                raise ValueError(
+                    f"{name}: must be at most {SLENDER:g} times the hub's radius {self.hub:g} m; "
+                    f"got {size:g} m."
+                )
+
+    @checked
+    def coordinates(self, s: Varying, t: Varying):
+        """Return the coordinates of points of the first blade.
+
+        A surface for `hyperosculating_cones` with model="space".
+
+        Parameters
+        ----------
+        s, t : (...) float or Jet
+            Fractions of the blade's height and of its chord, from 0 to 1.
+
+        Returns
+        -------
+        x, y, z : (...) float or Jet
+            In m.
+        """
+        for name, part in (("s", s), ("t", t)):
+            value = part.value if isinstance(part, Jet) else part
+            wrong = ~((value >= 0) & (value <= 1))
+            if np.any(wrong):
+                raise ValueError(f"{name}: must lie from 0 to 1; got {value[wrong].flat[0]:g}.")
+        radius = self.hub + self.height * s
+        slope = self.stagger + self.twist * s
+        along = self.chord * (t - 0.5)
+        # A blade is straight on the unrolled cylinder of a radius, but for the camber's parabola.
+        arc = along * np.sin(slope) + 4 * self.camber * t * (1 - t) + self.bow * s**2
+        return (radius * np.cos(arc / radius), radius * np.sin(arc / radius), along * np.cos(slope))
+
+    @checked
+    def mesh(self, n: Whole(1, 500), blade: Whole(-1000, 1000) = 0):
+        """Return a grid (n, n, 3) of points of a blade, in m, with n from 1 to 500.
+
+        The blades are counted from the first one, `blade` 0.
+        """
+        s, t = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij")
+        c = np.cos(2 * np.pi * blade / self.blades)
+        d = np.sin(2 * np.pi * blade / self.blades)
+        x, y, z = self.coordinates(s, t)
+        return np.stack([c * x - d * y, d * x + c * y, z], axis=-1)
+
+    @checked
+    def clearances(self, tool: ConePose, *, n: Whole(2, 500) = 121):
+        """Return how far a tool stays from the first blade and from both its neighbours.
+
+        Parameters
+        ----------
+        tool : ConePose
+            Where it touches the first blade, or nearly.
+        n : int
+            Points are compared on a grid n by n of each blade; from 2 to 500.
+
+        Returns
+        -------
+        distance : (3,) float
+            In m, negative within the tool: to the first blade, the next and the last.
+        """
+        return np.array([tool.clearance(self.mesh(n, k)).min() for k in (0, 1, -1)])
+
+
+@dataclass(frozen=True, eq=False)
+@checked
+class Nurbs:
+    """A rational tensor-product B-spline surface.
+
+    Parameters
+    ----------
+    control : (n, m, 3) float
+        Control points, in m.
+    knots_s, knots_t : (k,) float
+        Ascending. Their numbers are n or m plus the degree plus one, with degrees from 3 to 9.
+    weights : (n, m) float, optional
+        Of the control points, from 1e-100 to 1e100; 1 unless given.
+
+    Raises
+    ------
+    ValueError
+        If a shape, a degree, a weight or the knots' order is wrong, or an inner knot is repeated
+        so often that the surface may have a crease.
+
+    Notes
+    -----
+    With simple inner knots contact of third order needs degree 4, for continuous third
+    derivatives, and the verdict on gouging needs degree 5. With less, the cones jump where a knot
+    is crossed.
+
+    Examples
+    --------
+    >>> line = np.linspace(0, 1, 4)
+    >>> control = np.stack(np.broadcast_arrays(line[:, None], line, 0.0), axis=-1)
+    >>> flat = Nurbs(control, [0] * 4 + [1] * 4, [0] * 4 + [1] * 4)
+    >>> [float(c.round(3)) for c in flat.coordinates(0.25, 0.5)]
+    [0.25, 0.5, 0.0]
+    """
+
+    control: Array("(n, m, 3) float", "m", last="x, y, z")
+    knots_s: Knots
+    knots_t: Knots
+    weights: Array("(n, m) float", low=LEAST) | None = None
+
+    def __post_init__(self):
+        for name, count in zip(("knots_s", "knots_t"), self.control.shape[:2], strict=True):
+            _check_knots(name, getattr(self, name), count)
+        if self.weights is None:
+            object.__setattr__(self, "weights", np.ones(self.control.shape[:2]))
+        if self.weights.shape != self.control.shape[:2]:
+            raise ValueError(
+                f"weights: must be one a control point, {self.control.shape[:2]}; "
+                f"got {self.weights.shape}."
+            )
+
+    @property
+    def degrees(self):
+        """Return the degrees by s and by t."""
+        n, m, _ = self.control.shape
+        return len(self.knots_s) - n - 1, len(self.knots_t) - m - 1
+
+    @checked
+    def coordinates(self, s: Varying, t: Varying):
+        """Return the coordinates of points.
+
+        A surface for `hyperosculating_cones` with model="space".
+
+        Parameters
+        ----------
+        s, t : (...) float or Jet
+            Parameters, within the domain.
+
+        Returns
+        -------
+        x, y, z : (...) float or Jet
+            In m.
+        """
+        from scipy.interpolate import NdBSpline
+
+        at = np.broadcast_arrays(*(x.value if isinstance(x, Jet) else x for x in (s, t)))
+        knots = self.knots_s, self.knots_t
+        for name, x, row, degree in zip("st", at, knots, self.degrees, strict=True):
+            low, high = row[degree], row[-degree - 1]
+            wrong = ~((x >= low) & (x <= high))
+            if np.any(wrong):
+                got = x[wrong].flat[0]
+                raise ValueError(f"{name}: must lie from {low:g} to {high:g}; got {got:g}.")
+        weights = self.weights[..., None]
+        # Of weighted points and weights together, over which the quotient is taken at the end.
+        spline = NdBSpline(
+            knots, np.concatenate([self.control * weights, weights], 2), self.degrees
+        )
+        places = np.stack(at, -1)
+        jets = [x for x in (s, t) if isinstance(x, Jet)]
+        if jets:
+            # The spline's own derivatives make its Taylor polynomial in h and k, for which the
+            # jets of s and t are put in, less their values, by Horner's rule.
+            h, k = ((x if isinstance(x, Jet) else x + 0 * jets[0]) for x in (s, t))
+            h, k = (Jet((x - x.value).c[..., None]) for x in (h, k))
+            four = 0.0
+            for i in range(h.order, -1, -1):
+                row = 0.0
+                for j in range(h.order - i, -1, -1):
+                    by_order = spline(places, nu=(i, j)) / (factorial(i) * factorial(j))
+                    row = row * k + by_order
+                four = four * h + row
+            x, y, z, w = (Jet(part) for part in np.moveaxis(four.c, -1, 0))
+        else:
+            x, y, z, w = np.moveaxis(spline(places), -1, 0)
+        return [x / w, y / w, z / w]
+
+
+def _check_knots(name, knots, count):
+    """Raise ValueError where knots of `count` control points make no smooth surface."""
+    degree = len(knots) - count - 1
+    if not LEAST_DEGREE <= degree <= min(MOST_DEGREE, count - 1):
+        raise ValueError(
+            f"{name}: must be for a degree from {LEAST_DEGREE} to {MOST_DEGREE}, below the number "
+            f"of control points; got {len(knots)} knots for {count} points: degree {degree}."
+        )
+    low, high = knots[degree], knots[-degree - 1]
+    if not high - low > 1e-9 * max(abs(low), abs(high)):
+        raise ValueError(f"{name}: must ascend; got {knots[0]:g} to {knots[-1]:g}.")
+    inner = knots[(knots > low) & (knots < high)]
+    if np.any(inner[degree - 1 :] == inner[: 1 - degree]):
+        raise ValueError(
+            f"{name}: must not repeat an inner knot more than {degree - 1} times, for a surface "
+            f"without creases; got one that is."
+        )
+
+
+@dataclass(frozen=True)
+@checked
+class Patch:
+    """A surface over a rectangle of its parameters.
+
+    Parameters
+    ----------
+    surface : callable
+        Of two variables, for `hyperosculating_cones` with model="space": three coordinates, in m.
+        What it raises itself passes through.
+    s, t : (2,) float
+        Least and greatest parameters.
+    side : {1, -1}
+        1 where the tool comes from the side to which the surface's normal r_s x r_t points.
+
+    Examples
+    --------
+    >>> patch = Patch(lambda s, t: [s, t, s * t], (-1, 1), (-1, 1))
+    >>> patch.mesh(3).shape
+    (3, 3, 3)
+    """
+
+    surface: Function(2)
+    s: Range
+    t: Range
+    side: Sign = 1
+
+    @checked
+    def parameters(self, n: Whole(1, 500), *, margin: NotNegative = 0.0):
+        """Return a grid n by n of parameters.
+
+        Parameters
+        ----------
+        n : int
+            From 1 to 500.
+        margin : float
+            Share of the width that is left free at each border.
+
+        Returns
+        -------
+        s, t : (n, n) float
+            Parameters.
+        """
+        if margin >= 0.5:
+            raise ValueError(f"margin: must be below 0.5; got {margin:g}.")
+        where = np.linspace(margin, 1 - margin, n)
+        (a, b), (c, d) = self.s, self.t
+        # Rounding mustn't lead beyond the ends, where a surface may refuse to answer.
+        s = np.clip(a + (b - a) * where, a, b)
+        t = np.clip(c + (d - c) * where, c, d)
+        return np.meshgrid(s, t, indexing="ij")
+
+    @checked
+    def points(self, s: Reals, t: Reals):
+        """Return points (..., 3), in m, at parameters s, t (...)."""
+        s, t = np.broadcast_arrays(s, t)
+        parts = self.surface(s, t)
+        return np.stack([np.broadcast_to(part, s.shape) for part in parts], axis=-1).astype(float)
+
+    @checked
+    def mesh(self, n: Whole(2, 500) = 121):
+        """Return a grid (n, n, 3) of points, in m."""
+        return self.points(*self.parameters(n))
