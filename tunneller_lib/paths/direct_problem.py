@@ -15,12 +15,11 @@ the same time. Lengths are in tube radii below `followed`, rho = r + cos(phi).
 import math
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
+from ..arguments import Angles, Array, Lengths, Positions, checked
 from ..kernels import compiled
 from ..kernels.compiled import loop
 from ..kernels.elementwise import (
@@ -57,14 +56,7 @@ LATE = 0.9  # of the angle that half of a swing turns, past which what is left o
 ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
 
 
-def _rows_of_positions(name, value):
-    array = positions(name, value)
-    if array.ndim < 2:
-        raise ValueError(f"{name}: must be lists (..., m, 2) of positions; got {array.shape}.")
-    return array
-
-
-Ways = Annotated[ArrayLike, Rule("(..., m, 2) float", _rows_of_positions, "rad")]
+Ways = Array("(..., m, 2) float", "rad", last="theta, phi")
 
 
 @dataclass(frozen=True, eq=False)
