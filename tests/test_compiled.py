@@ -13,7 +13,6 @@ import pytest
 
 from tests.hard_lines import FAMILIES, KINDS, shape_of
 from tunneller_lib.kernels import compiled
-from tunneller_lib.milling.faces import BladeRing
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
 from tunneller_lib.motion.arm import weights
 from tunneller_lib.motion.plant import ValveResonance
@@ -33,7 +32,6 @@ SIZES = usual_sizes(REFERENCE_MACHINE)
 AXES = axes_of(REFERENCE_MACHINE, SIZES)
 OILY = [Compressible(axis) for axis in AXES]
 direct = geodesic_direct.unchecked  # which may get what has no answer, as from `Geodesic.points`
-RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)
 T = 5e-3
 SHEET = REFERENCE_MACHINE.torus
 RAMP = np.stack([0.1 * (1 - np.cos(np.linspace(0, 3, 300))), np.linspace(0.3, 0.1, 300)], axis=-1)
@@ -176,19 +174,6 @@ def test_lines_have_the_same_bits_both_ways(kind, both_ways):
     for one, other in zip(plain, fast, strict=True):
         assert np.array(one).tobytes() == np.array(other).tobytes()
     assert np.isfinite(plain[0]).any() and np.isinf(plain[0]).any()
-
-
-def test_lines_are_compiled_where_many_of_their_solid_are_met(monkeypatch):
-    monkeypatch.setattr(compiled._Work, "compiled", True)
-    monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(float))
-    loops = []
-    monkeypatch.setattr(compiled, "each_block", lambda work, *about: loops.append(about))
-    rod, ball = (shape_of(kind, np.array([0, 0, 0, 1, 2, 3, 0.7, 0.7])) for kind in KINDS[:2])
-    many = np.broadcast_to((0.0, 0.0, 1.0), (int(0.4 * compiled.LONG / blocks.PLAIN_LINE), 3))
-    for expected in (0, 0, 1, 2):
-        rod.meet_line(many[0], many)
-        ball.meet_line(many[0], many[0])  # few: they stay as they are
-        assert len(loops) == expected
 
 
 def test_chunks_of_a_push_are_one_run(both_ways):
@@ -388,24 +373,6 @@ def test_a_numba_that_does_not_work_is_as_none(error, tmp_path):
     assert child(BROKEN.format(folder=str(tmp_path))).split() == ["0.0", "False"]
 
 
-FULL = """
-import resource, signal
-import numba
-from tunneller_lib.kernels import compiled
-from tunneller_lib.kernels.elementwise import lesser
-compiled._Work.compiled = True
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))  # files that are written hold nothing
-assert compiled.call(lesser, 3.0, 2.0) == compiled.call(lesser, 2.0, 5.0) == 2
-"""
-
-
-def test_a_disk_that_is_full_loses_no_answer(tmp_path):
-    pytest.importorskip("numba")
-    child(FULL, NUMBA_CACHE_DIR=str(tmp_path))
-    assert not [path for path in tmp_path.rglob("*.nbi")]  # it was to be kept, and wasn't
-
-
 SPOILT = """
 import os, pickle
 from pathlib import Path
@@ -444,16 +411,6 @@ texts = [one.inspect_asm(key) for one in gc.get_objects()
          for key in one.signatures]
 print(made, sum("mulsd" in text for text in texts) > 0, sum("fmadd" in text for text in texts))
 """
-
-
-def test_loops_of_a_kind_wait_for_work_of_their_own(monkeypatch):
-    monkeypatch.setattr(compiled._Work, "compiled", True)
-    monkeypatch.setattr(compiled._Work, "of_kind", Counter())
-    compiled.expect(2 * compiled.LONG, "axes")
-    compiled.expect(0.9 * compiled.LONG, "cones")
-    assert compiled.ready("axes") and not compiled.ready("cones")
-    compiled.expect(0.2 * compiled.LONG, "cones")
-    assert compiled.ready("cones")
 
 
 def test_no_product_is_fused_with_a_sum(tmp_path):
