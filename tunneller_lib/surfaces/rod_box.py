@@ -112,22 +112,19 @@ def _in_plane(rod, along, across, at, guard):
             along, across, share * v[along], radial[0] + share * v[across], radial[1] + share * v[2]
         )
     if rod.ends == "flat":
-        # The plane cuts a disc along a chord, whose ends count.
+        # The plane cuts a disc along a chord, whose ends count. Where the disc lies in the plane any
+        # chord will do: the disc's own top and the corners' lines tell the rest.
         sine = np.hypot(w[along], w[2])
         x, z = (-w[2] / sine, w[along] / sine) if sine else (0.0, 1.0)
         for centre in (np.zeros(3), v):
             away, half = _chord(at - centre[across], r, sine, guard)
-            # A disc that lies in the plane, but for rounding, reaches farthest straight up.
-            lying = sine * r <= guard
-            away = np.where(lying, 0.0, away)
-            half = np.where(lying & np.isfinite(half), r, half)
             for reach in (half, -half):
                 yield _place(
                     along,
                     across,
-                    centre[along] - away * (z * w[across]) + reach * np.where(lying, 0.0, x),
+                    centre[along] - away * (z * w[across]) + reach * x,
                     centre[across] + away * sine,
-                    centre[2] + away * (x * w[across]) + reach * np.where(lying, 1.0, z),
+                    centre[2] + away * (x * w[across]) + reach * z,
                 )
 
 
