@@ -57,6 +57,13 @@ def test_closed_profile_has_its_area_and_perimeter(pieces, area, perimeter):
     np.testing.assert_allclose(section.box, [(y.min(), z.min()), (y.max(), z.max())], atol=1e-6)
 
 
+def test_depth_over_a_gap_that_is_accepted():
+    floor = Line(-0.5, -0.5, 0.0, 0.5 - 3e-12), Line(0.0, -0.5, 0.0, 0.5)
+    section = closed_profile([*floor, *SQUARE[1:]])
+    assert section.depth(-1.5e-12, -0.2) == pytest.approx(0.3, abs=1e-11)
+    assert section.ray(-QUARTER) == pytest.approx(0.5, abs=1e-11)
+
+
 @SHAPES
 def test_depth_against_the_nearest_of_many_points(pieces, area, perimeter):
     section = closed_profile(pieces)
