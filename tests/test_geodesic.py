@@ -472,6 +472,15 @@ def test_a_way_by_the_node_of_a_horn_keeps_the_digits_of_its_azimuth(gap):
     assert found.clairaut / radius == pytest.approx(np.sin(found.azimuth1), rel=2e-9, abs=0)
 
 
+def test_a_short_way_through_the_node_of_a_horn_counts_what_pi_is_more_than_its_double():
+    phi = np.pi - 2.0**-33
+    found = geodesic_inverse(Torus(1, 1), (0, phi), (2, -phi))
+    with mp.workdps(30):
+        exact = float(2 * (mp.pi - mpf(phi)))
+    assert found.kind == "inner"
+    assert found.length == pytest.approx(exact, rel=1e-12, abs=0)
+
+
 def test_the_node_of_a_horn_is_no_place_on_its_sheet():
     check_no_answer(geodesic_inverse(Torus(1, 1), (0, 0.1), (1, np.pi)), 1)
 
