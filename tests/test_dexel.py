@@ -111,6 +111,7 @@ def test_order_of_cuts_and_repeats_do_not_matter(grid):
 def test_cut_path_is_the_sum_of_its_moves():
     rng = np.random.default_rng(3)
     path = np.add(np.cumsum(rng.uniform(-0.1, 0.1, (30, 3)), axis=0), (0, 0.3, 0.4))
+    path = np.vstack([path, path[-1] + (0, 0, 0.3), path[-1] - (0, 0, 0.2)])  # up and down
     for grid in (block(), wall()):
         moves, first = grid.copy(), grid.volume
         expected = sum(moves.cut(Rod(a, b, 0.2, ends="round")) for a, b in pairwise(path))
