@@ -8,7 +8,7 @@ import pytest
 
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal import grid as grids
-from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces import Box, Frustum, Rod
 
 
 def block(n=40, m=50):
@@ -234,17 +234,12 @@ SOLIDS = {
     "frustum": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.2, 0.07),
     "cone": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.0, 0.2),
     "box": Box((-0.2, -0.1, 0.3), (0.24, 0.18, 0), (-0.06, 0.08, 0), (0, 0, 0.2)),
-    "rounded disc": RoundedDisc((0.02, -0.03, 0.2), (0.3, 0.1, 1), 0.15, 0.08),
 }
 
 
 def volume_of(solid):
     if isinstance(solid, Box):
         return np.prod([np.linalg.norm(edge) for edge in (solid.x, solid.y, solid.z)])
-    if isinstance(solid, RoundedDisc):  # the disc, half a torus by Pappus, and its caps
-        radius, corner = solid.radius, solid.corner
-        plate = 2 * np.pi * radius**2 * corner + np.pi**2 * radius * corner**2
-        return plate + 4 / 3 * np.pi * corner**3
     ra, rb = solid.radius_a, solid.radius_b
     length = np.linalg.norm(np.subtract(solid.b, solid.a))
     return np.pi * length * (ra * ra + ra * rb + rb * rb) / 3
