@@ -32,7 +32,6 @@ def three_ways_in_space(torus, p, q, *, exaggeration):
     wide = torus.foot(curve.point + exaggeration * beside[:, None] * across)
     chord = torus.point(*np.transpose([p, q]))
     plotter = scene.empty()
-    plotter.window_size = 2000, 1500
     angles = [np.linspace(a, b, n) for a, b, n in zip(p, q, (80, 60), strict=True)]
     patch = scene.surface(torus.point(*np.meshgrid(*angles, indexing="ij")))
     scene.put(plotter, patch, "torus", opacity=0.5)

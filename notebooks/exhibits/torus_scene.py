@@ -80,7 +80,7 @@ def _sheet(torus, theta, low, high):
 
 def _with_nodes(sheets, nodes, direction, letters):
     plotter = scene.empty()
-    plotter.window_size = 1500, 1200
+    plotter.window_size = 2000, 1600
     for colour, sheet in sheets.items():
         scene.put(plotter, scene.surface(sheet), colour, smooth_shading=True)
     scene.put(plotter, scene.curve(1.2 * nodes, 0.006), "chord")

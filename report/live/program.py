@@ -69,16 +69,17 @@ def exercises(notebook):
     above, found = [], []
     for number, source in enumerate(sources, 1):
         cell = ast.parse(source)
-        if _checks(cell) and _imported(excerpt(above, cell)) <= PACKAGES:
+        if _asks(cell) and _imported(excerpt(above, cell)) <= PACKAGES:
             found.append(number)
         above += cell.body
     return found
 
 
-def _checks(cell):
-    """Tell whether a cell defines a check."""
-    made = (node for node in cell.body if isinstance(node, ast.FunctionDef))
-    return any(node.name.startswith("check_") for node in made)
+def _asks(cell):
+    """Tell whether a cell calls a check, which a folded one above it defines."""
+    said = (node for node in cell.body if isinstance(node, ast.Expr))
+    names = (getattr(node, "id", "") for one in said for node in ast.walk(one))
+    return any(name.startswith("check_") for name in names)
 
 
 def _imported(statements):
