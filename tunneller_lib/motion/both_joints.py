@@ -170,10 +170,12 @@ def machine_slopes(machine, state, openings, push):
     pressed = theta_front * v + phi_front * w
     if pressed > 0 and speed > 0:
         damper += pressed / speed
+    # The force is damper times speed; along the motion its lever is lever^2 times rate over speed.
     theta_pushed = theta_torque + damper * (theta_lever * rise + speed * theta_across)
     phi_pushed = phi_torque + damper * (phi_lever * turn + speed * phi_across)
     lift -= theta_rubbed + theta_pushed
     swing -= phi_rubbed + phi_pushed
+    # A shared arm has an inertia that depends on phi; else each axis has its own load and inertia.
     if machine.shared:
         theta_weight, phi_weight = weights(machine.arm, theta, phi)
         coriolis, centrifugal = couplings(machine.arm, phi, v, w)
@@ -214,6 +216,7 @@ def powers(axis, first, second, spool):
     minus_land = outflow + past - leak * (2 * second - ps - pt)
     leaks = leak * (2 * ps - first - second)
     returns = leak * (first + second - 2 * pt)
+    # An open spool joins one side to the supply and the other one to the tank.
     if spool > 0:
         drawn = plus_land
         back = minus_land
@@ -223,6 +226,7 @@ def powers(axis, first, second, spool):
         back = -plus_land
         lost = plus_land * (pt - first) + minus_land * (second - ps)
     lost += past * (first - second)
+    # Each side has a closed land to the supply and one to the tank.
     squares = (ps - first) * (ps - first) + (ps - second) * (ps - second)
     squares += (first - pt) * (first - pt) + (second - pt) * (second - pt)
     lost += leak * squares

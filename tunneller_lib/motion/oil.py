@@ -275,6 +275,7 @@ def flows(axis, first, second, spool):
     `first` and `second` are the pressures of the plus and the minus side, in Pa.
     """
     opened = axis.flow * spool
+    # A land whose pressure drop is negative lets the oil flow backwards, by the sign of `land`.
     if spool > 0:
         inflow = opened * land(axis.supply - first)
         outflow = opened * land(second - axis.tank)

@@ -190,6 +190,7 @@ def follow(
     stable = (None,) * axes
     if inverse is None:
         stable = tuple(map(_is_stable, plants, loops, columns.T))
+    # Commands are limited exactly to the limit, so that equality tells saturation.
     saturated = (command >= limit) | (command <= -limit)
     return Track(loops[0].tick, setvalues, position, command, saturated, states, stable, energies)
 

@@ -119,10 +119,12 @@ def _closed_loop(plant, loop, gain):
     command[0] = plant.command(-gain)
     command[order] = plant.command(1.0)
     matrix[:order, :order] = Ad
+    # The integral grows by -Ki T times the position, since the set-value is zero.
     matrix[order, [0, order]] = -loop.integral * loop.tick, 1
     if m == 0:
         matrix[:order] += np.outer(Bd, command)
     else:
+        # The oldest command drives the plant, the others move up, the new one joins at the end.
         matrix[:order, order + 1] = Bd
         matrix[range(order + 1, order + m), range(order + 2, order + m + 1)] = 1
         matrix[-1] = command

@@ -260,6 +260,7 @@ def _segments(costs, ticks):
 
 def _response(urgent, cost, latest):
     """Return the least R = cost + sum ceil(R / T_j) C_j over urgent tasks; infinite if too late."""
+    # From below, each step adds the releases within the time so far, up to the least fixed point.
     time = 0
     wanted = cost
     while time != wanted:

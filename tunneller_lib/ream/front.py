@@ -57,6 +57,7 @@ def engaged_areas(circuit, s, advance=0.0):
     bent = areas - flat
     # The bend of the circle on which as much is removed, in proportion to one of a metre.
     bend = _at_wall(machine, bent / (_groove(machine, 1 + machine.offset, advance) - flat))
+    # Across the way the wall's bend widens the groove; an earlier pass that leans is nearer.
     wider = _half_widths(machine, bend * (1 - straight)) / half
     nearer = _groove(machine, np.inf, advance * np.sqrt(straight)) / flat
     return (flat + bent * straight) * wider * nearer

@@ -255,6 +255,7 @@ def plan(
         way, circuit, limits, advance if laps > 1 else 0.0, tick
     )
     back = _stepping(circuit, limits, advance, tick) if laps > 1 else np.zeros(1)
+    # The rest holds at least one tick, and the machine steps in its last ones.
     held = max(round(rest / tick), 1) + len(back) - 1
     total = int(min(np.ceil(moment[-1] / tick), 2.0**60)) + held
     if total * laps > MOST_TICKS:

@@ -167,6 +167,7 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
             for axis, q in zip(plant, motion.position.T, strict=True)
         ]
     )
+    # Where the rate isn't fed forward the error must ask for it, which takes lag times the rate.
     behind = -(1 - share) * lag * motion.rate
     first = behind - lag * ((1 - share) * plan.tick / 2 + late) * motion.change
     bend = joint_bend(circuit, motion.place, motion.position, behind)
