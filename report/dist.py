@@ -1,4 +1,4 @@
-"""Pack the documents, the wheel and the live pages into one archive, with its digest: `make dist`.
+"""Pack documents, wheel, live pages and chapters into one archive, with its digest: `make dist`.
 
 The archive holds the same bytes whenever it is made from the same commit by the same versions.
 """
@@ -56,9 +56,20 @@ def pack(files, place):
     return digest
 
 
+def chapters():
+    """Return the notebooks without outputs, and what they read, by their names in the checkout."""
+    folder = ROOT / "notebooks"
+    own = [path for path in folder.rglob("*.*") if path.suffix in (".py", ".toml", ".csv")]
+    read = [*(ROOT / "report" / "numbers").iterdir(), *(ROOT / "tests" / "references").iterdir()]
+    files = [*own, *read, ROOT / "figures" / "machine_model.png"]
+    made = {f"notebooks/{path.name}": path for path in (LIVE / "notebooks").glob("*.ipynb")}
+    return made | {str(path.relative_to(ROOT)): path for path in files if path.is_file()}
+
+
 def main():
     """Pack everything; return the exit code."""
     files = {path.name: path for path in [*PDFS.values(), ROOT / "LICENSE", ROOT / "CITATION.cff"]}
+    files |= chapters()
     files |= {f"pages/{path.relative_to(LIVE)}": path for path in LIVE.rglob("*") if path.is_file()}
     with tempfile.TemporaryDirectory() as folder:
         try:

@@ -1,4 +1,4 @@
-"""Hard lines against rods, capsules, frusta, boxes and rounded discs, by family.
+"""Hard lines against rods, capsules, frusta and boxes, by family.
 
 A family takes a kind, a random generator and a number n, and returns shapes (n, 12) as
 `exhibits.exact_shapes` reads them, points and directions (n, 3). It uses sums, products, quotients
@@ -11,11 +11,11 @@ touches to exact places.
 import numpy as np
 
 from exhibits.rod_cases import TRIPLES, whole_rotations
-from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces import Box, Frustum, Rod
 from tunneller_lib.surfaces.rod import meet_rods
 
 EPS = np.finfo(float).eps
-KINDS = ("rod", "capsule", "frustum", "box", "rounded")
+KINDS = ("rod", "capsule", "frustum", "box")
 WITH_AXES = ("rod", "capsule", "frustum")
 BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]])  # 7 from the origin
 SHARES = (0, 0, 1, 2, 3, 4, 4)  # quarters of the way along the axis
@@ -46,9 +46,6 @@ class Whole:
             self.normal, self.side, self.ruling = turn * e1, e2, e3
             self.end = e3
             self.size = N * (size.sum(axis=-1))
-            return
-        if kind == "rounded":
-            self._round(rng, at, (e1, e2, e3), N, wide, high)
             return
         v = e3 * high[:, None]
         unit = 455 if kind == "capsule" else 65
@@ -85,31 +82,6 @@ class Whole:
             self.side = np.where(ball & np.any(side, axis=-1)[:, None], side, self.side)
             turned = np.cross(away, side)
             self.ruling = np.where(ball & np.any(side, axis=-1)[:, None], turned, self.ruling)
-
-    def _round(self, rng, at, frame, N, wide, high):
-        """Rounded discs, and points of their rounded rims, of which some are on a flat side."""
-        e1, e2, e3 = frame
-        n = len(N)
-        around, upward = (
-            TRIPLES[rng.integers(0, len(TRIPLES), n)] * rng.choice([-1, 1], (n, 2)) for _ in "ab"
-        )
-        upward[:, 0] = np.abs(upward[:, 0])
-        flat = rng.random(n) < 0.3
-        upward = np.where(flat[:, None], [0, 65], upward)
-        out = around[:, :1] * e1 + around[:, 1:] * e2  # a unit times 65 N long
-        wide, high = wide * rng.choice([0, 1, 1, 1], n), high // 4
-        share = np.where(flat, rng.choice(SHARES, n), 4)[:, None]
-        self.normal = out * upward[:, :1] + 65 * e3 * upward[:, 1:]  # 65 times that
-        self.point = at + out * (wide[:, None] * 16 * share) + self.normal * high[:, None]
-        radius, corner = 65 * N * wide * 64, 65**2 * N * high
-        self.shapes = np.concatenate(
-            [at, e3, radius[:, None], corner[:, None], np.zeros((n, 4))], axis=-1
-        )
-        self.side = around[:, :1] * e2 - around[:, 1:] * e1
-        self.ruling = 65 * e3 * upward[:, :1] - out * upward[:, 1:]
-        self.end = e3
-        self.tip = at + e3 * (65**2 * high)[:, None]
-        self.size = radius + corner
 
     def lines(self, u, shift=0):
         """Return the shapes with lines along u through their points, moved by a shift."""
@@ -169,8 +141,6 @@ def tips(kind, rng, n):
     if kind == "box":
         edges = whole.shapes[:, 3:].reshape(n, 3, 3)
         whole.point = whole.shapes[:, :3] + (edges * rng.integers(0, 2, (n, 3, 1))).sum(axis=1)
-    elif kind == "rounded":
-        whole.point = whole.tip
     else:
         whole.point = np.where(rng.random(n)[:, None] < 0.5, whole.shapes[:, :3],
                                whole.shapes[:, 3:6])  # fmt: skip
@@ -251,12 +221,6 @@ def _floats(kind, rng, n, spread, placed=1):
         edges = np.stack([axis, side * start[:, None], third * end[:, None]], axis=1)
         shapes = np.concatenate([at, edges.reshape(n, 9)], axis=-1)
         return shapes, at + (edges * rng.choice([0, 0.5, 1], (n, 3, 1))).sum(axis=1)
-    if kind == "rounded":
-        share = rng.choice([0, 0.6, 1], (n, 1))  # from a flat side's rim to the greatest radius
-        unit = axis / _lengths(axis)[:, None]
-        shapes = np.concatenate([at, axis, start[:, None], end[:, None], np.zeros((n, 4))], -1)
-        out = share * side + np.sqrt(1 - share**2) * unit
-        return shapes, at + side * start[:, None] + out * end[:, None]
     same = kind != "frustum"
     end = start if same else np.where(rng.random(n) < 0.3, 0, end)
     shapes = np.concatenate([at, at + axis, start[:, None], end[:, None], np.zeros((n, 4))], -1)
@@ -319,8 +283,6 @@ def limits(kind, rng, n):
     first, last, high = (np.where(size < 0, tiny, size) for size in (first, last, high))
     if kind in ("rod", "capsule"):
         last = first
-    elif kind == "rounded":  # no point
-        first = np.where((first == 0) & (last == 0), 1, first)
     else:  # frusta have an axis, boxes have edges
         high = np.where(high == 0, 1, high)
         last = np.where(rng.random(n) < 0.3, first, last)
@@ -338,11 +300,6 @@ def limits(kind, rng, n):
         edges = e1 * rows[0], e2 * rows[1], e3 * rows[2]
         shapes = np.concatenate([at, *edges], axis=-1)
         p = at + sum(edge * rng.choice([0, 0.5, 1], (n, 1)) for edge in edges)
-    elif kind == "rounded":
-        shapes = np.concatenate([at, e3, 5 * N[:, None] * np.concatenate(rows[:2], -1),
-                                 np.zeros((n, 4))], axis=-1)  # fmt: skip
-        up = rng.integers(0, 2, (n, 1))  # from the flat side, or at the greatest radius
-        p = at + out * rows[0] * np.where(up, rows[3], 1) + rows[1] * np.where(up, 5 * e3, out)
     else:
         b = at + e3 * rows[2]
         shapes = np.concatenate([at, b, 5 * N[:, None] * np.concatenate(rows[:2], -1),
@@ -371,8 +328,6 @@ def shape_of(kind, row):
         return Box(a, b, row[6:9], row[9:])
     if kind == "frustum":
         return Frustum(a, b, *row[6:8])
-    if kind == "rounded":
-        return RoundedDisc(a, b, *row[6:8])
     return Rod(a, b, row[6], ends="round" if kind == "capsule" else "flat")
 
 

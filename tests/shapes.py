@@ -5,6 +5,7 @@ from fractions import Fraction
 import numpy as np
 from hypothesis import strategies as st
 
+from tunneller_lib.paths import geodesic_root
 from tunneller_lib.surfaces import Torus
 
 EPS = np.finfo(float).eps
@@ -28,6 +29,19 @@ def log_uniform(low, high):
 tori = st.builds(
     lambda size, ratio: Torus(size, size * ratio), log_uniform(1e-3, 1e6), log_uniform(0.2, 1e4)
 )
+
+
+def ways_of(family, torus, a, b, unknowns, nodes=96):
+    """Return c, turned angle, its rate and length (4, n) of ways of a class from phi = a to b."""
+    shares, weights = geodesic_root.rule(nodes)
+    rule, room = ((shares, weights), nodes // 2), np.empty((3, nodes // 2))
+    ends = geodesic_root.ends_at(torus, a, b, geodesic_root.half_angles(torus, a, b))
+    found = []
+    for u in unknowns:
+        way = geodesic_root.way_of(family, torus, ends, float(u))
+        whole = geodesic_root.integrate_way(torus, way, family, False, rule, room)
+        found.append([way.c, *whole])
+    return np.array(found).T
 
 
 def random_tori(rng, n):

@@ -1,6 +1,5 @@
 """Validation, and the arithmetic that keeps digits, judged in fractions and by mpmath."""
 
-from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -119,29 +118,6 @@ def test_radius_and_excess_against_mpmath(scale, gap):
             assert abs(excess - (rho - mpf(r))) <= 8 * EPS * abs(rho - mpf(r)) + 1e-22 * r
 
 
-@pytest.mark.parametrize("shape", [(0, 2), (1, 2), (10, 2), (3, 7, 2), (2,)])
-def test_in_blocks_is_the_function_itself(shape):
-    rows = np.arange(np.prod(shape), dtype=float).reshape(shape)
-    blocks = []
-    found = exact.in_blocks(lambda b: blocks.append(len(b)) or 2 * b, rows, 2, block=4)
-    np.testing.assert_array_equal(found, 2 * rows)
-    assert max(blocks, default=0) <= 4 and sum(blocks) == rows.size // 2
-
-
-def test_function_that_takes_other_arguments_is_refused():
-    @arguments.checked
-    def tell(say: Callable[[str], object]):
-        return say("a")
-
-    assert tell(str.upper) == "A" and tell(lambda text, times=2: times * text) == "aa"
-    assert tell(print) is None  # written in C, or of any arguments
-    for other in (lambda: 0, lambda text, times: 0, lambda *, text: 0):
-        with pytest.raises(ValueError, match=r"^say: must be a function of 1 argument; got <"):
-            tell(other)
-    with pytest.raises(ValueError, match=r"^say: must be a function; got 'a'\.$"):
-        tell("a")
-
-
 @pytest.mark.parametrize(
     ("given", "options", "why"),
     [
@@ -159,12 +135,3 @@ def test_checked_call_refuses_what_the_function_itself_would(given, options, why
     assert add(1, 2, scale=3) == add(y=2, scale=3, x=1) == 9
     with pytest.raises(TypeError, match=why):
         add(*given, **options)
-
-
-@pytest.mark.parametrize("axes", [4, 8, 64])
-def test_array_of_many_axes_is_shown_by_its_shape(axes):
-    """At once: numpy would write the ends of each axis, in minutes."""
-    many = np.broadcast_to(0.5, (7,) * min(axes - 1, 8) + (1,) * (axes - 9) + (7,))
-    text = arguments.shown(many)
-    assert text.startswith("an array of shape (7, 7, 7, 7") and len(text) <= 100
-    assert arguments.shown(many[(0,) * (axes - 1)]).startswith("array([0.5, 0.5, 0.5, 0.5")

@@ -5,10 +5,8 @@ import csv
 import numpy as np
 import pytest
 from mpmath import mp
-from scipy.integrate import quad
 from scipy.optimize import brentq, minimize
 
-from tests.foot_lengths import length_of_feet
 from tests.references import short_chords
 from tunneller_lib.paths import CHORD_PATHS, ChordLaw, geodesic_inverse, path_length
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -89,15 +87,6 @@ def test_greatest_excess_is_at_opposite_corners():
         assert -found.fun <= SUP + 1e-10
 
 
-def test_greatest_gap():
-    p, q = np.radians([(0, 40), (95, -40)])
-    assert ChordLaw(p, q).aside == pytest.approx(0.14373, abs=2e-5)
-    turn, phi1, phi2 = np.meshgrid(np.linspace(65, 95, 11), *2 * [np.linspace(-40, 40, 21)])
-    p = np.radians(np.stack([0 * turn, phi1], axis=-1))
-    q = np.radians(np.stack([turn, phi2], axis=-1))
-    assert ChordLaw(p, q).aside.max() == pytest.approx(0.14373, abs=2e-5)
-
-
 @pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4])
 def test_excess_is_that_of_tori_near_a_sphere(ratio):
     p, q = pairs(300, seed=1)
@@ -147,28 +136,6 @@ def test_short_chords_follow_the_short_law():
         assert law.aside == pytest.approx(wide, rel=close + 1e-3)
 
 
-def test_gap_turns_with_its_ends():
-    p, q = pairs(200, seed=5)
-    gap = ChordLaw(p, q).gap(U)
-    np.testing.assert_allclose(ChordLaw(q, p).gap(U), -gap[:, ::-1], atol=1e-14)
-    np.testing.assert_allclose(ChordLaw(p, q).pole, -ChordLaw(q, p).pole, atol=1e-13)
-    mirrored = [end * [1, -1] for end in (p, q)]
-    np.testing.assert_allclose(np.abs(ChordLaw(*mirrored).gap(U)), np.abs(gap), atol=1e-14)
-    turned = ChordLaw(p + np.array([0.7, 0]), q + np.array([0.7, 0]))
-    np.testing.assert_allclose(turned.gap(U), gap, atol=1e-14)
-    np.testing.assert_allclose(gap[:, [0, -1]], 0, atol=1e-15)
-
-
-@pytest.mark.parametrize(("p", "q"), [
-    ((0.2, -0.6), (0.2, 0.5)), ((-0.9, 0), (0.5, 0)), ((0.3, 0.2), (0.3, 0.2)),
-    ((0, 1.5), (0.4, 1.6)), ((0, 0.1), (np.pi, 0.1)), ((0, 0.3), (1e-7, 0.3)),
-], ids=["meridian", "equator", "point", "beyond 90 deg", "over the pole", "near"])  # fmt: skip
-def test_gap_is_nothing(p, q):
-    law = ChordLaw(p, q)
-    np.testing.assert_allclose(law.gap(U), 0, atol=1e-15)
-    assert law.excess == pytest.approx(0, abs=1e-15)
-
-
 def test_bound_holds_up_to_the_horn_and_not_on_rings():
     p, q = pairs(3_000, seed=6)
     corners = np.array([CORNERS[0]]), np.array([CORNERS[1]])
@@ -177,28 +144,6 @@ def test_bound_holds_up_to_the_horn_and_not_on_rings():
         assert 0.0409 < np.max(scaled(ratio, p, q)) <= SUP
     assert scaled(1.1) == pytest.approx(0.0510, abs=5e-5)
     fails = brentq(lambda ratio: scaled(ratio) - SUP, 1, 1.1)
-    assert fails == pytest.approx(1.0176623, abs=2e-7)
-
-
-def test_bound_fails_from_the_same_ring_by_a_second_method():
-    """Clairaut's integrals for the geodesic, the foot's speed in space for the path."""
-
-    def excess_in_space(ratio):
-        torus = Torus(ratio, 1)
-        (start, phi), (stop, _) = CORNERS
-
-        def half(clairaut, power):
-            def integrand(at):
-                rho = ratio + np.cos(at)
-                return rho ** (1 - 2 * power) / np.sqrt(rho**2 - clairaut**2)
-
-            return quad(integrand, 0, phi, epsabs=0, epsrel=1e-12)[0]
-
-        rho = ratio + np.cos(phi)
-        clairaut = brentq(lambda c: 2 * c * half(c, 1) - (stop - start), 0.1 * rho, 0.99 * rho)
-        return length_of_feet(torus, *CORNERS) / (2 * half(clairaut, 0)) - 1
-
-    fails = brentq(lambda ratio: excess_in_space(ratio) / ratio**2 - SUP, 1, 1.1, xtol=1e-9)
     assert fails == pytest.approx(1.0176623, abs=2e-7)
 
 

@@ -1,6 +1,5 @@
 """Paths that could stand in for a geodesic, and their lengths."""
 
-import csv
 import re
 from pathlib import Path
 
@@ -16,7 +15,6 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 READS = ["README.md", "notebooks/*", "report/sections/geodesics.typ"]
 
 ROOT = Path(__file__).resolve().parents[1]
-NOTEBOOKS = (ROOT / "notebooks").glob("[0-9]*.ipynb")
 
 MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
@@ -131,28 +129,6 @@ def test_path_length_over_the_seam_of_the_angles_is_that_of_the_equator(p):
         assert length == pytest.approx((MACHINE.r + MACHINE.R) * 0.5, rel=own)
 
 
-def test_joint_line_of_many_turns_has_their_length():
-    parallel = MACHINE.r + MACHINE.R * np.cos(0.2)
-    for turn in (2 * np.pi, 100.0, 1e8):
-        length = path_length(MACHINE.torus, CHORD_PATHS["joint space"], (0, 0.2), (turn, 0.2))
-        assert length == pytest.approx(parallel * turn, rel=1e-12)
-
-
-@every_torus
-@every_path
-def test_path_is_no_shorter_than_the_geodesic(torus, path):
-    p, q = pairs(500, seed=2)
-    shortest = geodesic_inverse(torus, p, q).length
-    assert np.min(path_length(torus, path, p, q) / shortest) > 1 - 1e-11
-
-
-@every_torus
-def test_projected_chord_is_the_path_of_its_name(torus):
-    p, q = pairs(200, seed=3)
-    path = CHORD_PATHS["projected chord"]
-    np.testing.assert_array_equal(path(torus, p, q, T), project_chord(torus, p, q, 9))
-
-
 @every_torus
 def test_plane_section_lies_in_the_plane_and_is_where_lines_meet_the_torus(torus):
     p, q = pairs(50, seed=4)
@@ -200,12 +176,6 @@ def test_path_refuses_ends_beyond_the_node(path):
 
 
 # What a further path reaches by itself
-
-
-def test_atlas_holds_paths_of_the_registry_alone():
-    with (ROOT / "notebooks" / "atlas.csv").open(newline="") as file:
-        names = {row["path"] for row in csv.DictReader(file)}
-    assert names and names <= CHORD_PATHS.keys()
 
 
 # Typst's and LaTeX's signs, and what they are in Python.

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mpmath import mp, mpf
 
 from tests.shapes import EPS
 from tunneller_lib.surfaces import Cone
@@ -20,20 +19,6 @@ def test_point_lies_on_the_cone_at_its_distance(half_angle, distance, azimuth):
     assert np.linalg.norm(point) == pytest.approx(abs(distance), rel=4 * EPS)
     assert abs(cone.implicit(point)) <= 16 * EPS * (point @ point) / np.cos(half_angle)
     assert np.sign(point[2]) == -np.sign(distance)
-
-
-@given(angles, points)
-def test_implicit_against_eq13_in_mpmath(half_angle, point):
-    with mp.workdps(40):
-        x, y, z = map(mpf, point)
-        k = mp.tan(mpf(half_angle)) ** 2
-        exact, size = x * x + y * y - k * z * z, x * x + y * y + k * z * z
-        assert abs(Cone(half_angle).implicit(point) - exact) <= 64 * EPS * size + 1e-100
-
-
-def test_k_is_the_square_of_the_tangent():
-    assert Cone(np.arctan(0.5)).k == pytest.approx(0.25, rel=4 * EPS)
-    assert Cone(np.pi / 4).k == pytest.approx(1, rel=4 * EPS)
 
 
 @given(angles, points, st.sampled_from([1e-3, 1, 1e6]))

@@ -44,25 +44,6 @@ def test_tangent_sphere_is_the_nearer_foot_of_the_chord(chord, share):
     assert chord.tangent_sphere(azimuth) == pytest.approx(np.linalg.norm(foot), rel=1e-12)
 
 
-@given(chords, st.floats(0, 1))
-def test_chord_point_is_on_the_chord_at_its_azimuth(chord, share):
-    m, (p, q) = chord.chord_point(share * chord.turn), ends(chord)
-    size = np.linalg.norm(p) + np.linalg.norm(q)
-    assert np.linalg.norm(np.cross(m - p, q - p)) <= 1e-13 * size**2
-    across = m[0] * np.sin(share * chord.turn) - m[1] * np.cos(share * chord.turn)
-    assert abs(across) <= 1e-13 * size
-
-
-@given(chords)
-def test_path_and_geodesic_share_their_ends(chord):
-    plane = chord.cone.development(chord.ends, [0.0, chord.turn])
-    size = sum(chord.ends)
-    np.testing.assert_allclose(chord.geodesic([0, 1]), plane, atol=1e-13 * size)
-    np.testing.assert_allclose(chord.path([0, 1]), plane, atol=1e-13 * size)
-    np.testing.assert_allclose(chord.deviation([0, 1]), 0, atol=1e-13 * size)
-    np.testing.assert_allclose(chord.azimuth([0, 1]), [0, chord.turn], atol=1e-13)
-
-
 def length_on_the_cone(chord):
     """Return the path's length in space, by the speed of the foot of M(t) in mpmath."""
     with mp.workdps(30):
@@ -114,9 +95,3 @@ def test_mirrored_chords_have_mirrored_paths(chord, u):
     np.testing.assert_allclose(mirrored.path(u), chord.path(u) * [1, -1], atol=1e-13)
     assert mirrored.deviation(u) == pytest.approx(chord.deviation(u), abs=1e-13)
     assert mirrored.path_length == pytest.approx(chord.path_length, rel=1e-12)
-
-
-@pytest.mark.parametrize("f", [0, 0.5, -0.5, 1, 2.5, 1e300])
-def test_whole_and_half_turns_are_refused(f):
-    with pytest.raises(ValueError, match=r"^f: must be neither whole nor half a turn; got "):
-        ConeChord(1, 1, 0.5, f)

@@ -119,11 +119,13 @@ def test_clearances_are_from_the_first_blade_and_both_neighbours():
     out = np.array([x, y, 0.0]) / np.hypot(x, y)
     around = np.cross((0, 0, 1.0), out)
     # A tool in the middle of the gap to the next blade, then moved into that blade.
-    free, hit = (
+    free, hit, back = (
         ConePose(0.04 * way, way, 0.05, near=0.03, far=0.06)
-        for way in (np.cos(turn) * out + np.sin(turn) * around for turn in (np.pi / 6, np.pi / 3))
-    )
+        for way in (np.cos(turn) * out + np.sin(turn) * around
+                    for turn in (np.pi / 6, np.pi / 3, -np.pi / 3))
+    )  # fmt: skip
     assert np.all(RING.clearances(free) > 0)
     np.testing.assert_allclose(RING.clearances(free, n=241), RING.clearances(free), atol=1e-4)
     own, following, last = RING.clearances(hit, n=241)
     assert following < 0 < min(own, last)
+    assert RING.clearances(back, n=241)[2] < 0

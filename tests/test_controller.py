@@ -42,50 +42,38 @@ pytestmark = pytest.mark.skipif(not COMPILER, reason="no C compiler on this mach
 
 
 @cache
-def job(plant="T0", bits=None, feed=None, **options):
+def job(plant="T0", bits=None, feed=None, feedforward=None, **options):
     whole = read_job(REFERENCE_JOB)
+    controller = {**whole.controller, "plant": plant}
+    if feedforward is not None:
+        controller["feedforward"] = feedforward
     if feed:
         whole = replace(whole, limits={**whole.limits, "feed": feed})
     if bits:
         options["count"] = 2 * np.pi / 2**bits
-    return replace(
-        whole, controller={**whole.controller, "plant": plant}, plan={**whole.plan, **options}
-    )
+    return replace(whole, controller=controller, plan={**whole.plan, **options})
 
 
-_MADE = {}
-
-
-def made_of(wanted):
-    """Return the `Program` of one of the jobs above, which are kept."""
-    if id(wanted) not in _MADE:
-        _MADE[id(wanted)] = with_program(wanted)
-    return _MADE[id(wanted)]
+MADE = {}  # a job's program, and where it is compiled
 
 
 @pytest.fixture(scope="module")
-def options(tmp_path_factory):
-    """Return the compiler's options, sanitizers among them where it has them."""
+def compiled(tmp_path_factory):
+    """Return a function that compiles a job's controller once; sanitizers, where there are any."""
     try:
         build(COMPILER, tmp_path_factory.mktemp("try"), "int main(void) { return 0; }", *SANITIZERS)
+        options = *STRICT, *SANITIZERS
     except subprocess.CalledProcessError:
-        return STRICT
-    return *STRICT, *SANITIZERS
+        options = STRICT
 
-
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory, options):
-    """Return a function that compiles a job's controller once, and says where it is."""
-
-    paths = {}
-
-    def path(wanted):
-        if id(wanted) not in paths:
+    def made(wanted):
+        if id(wanted) not in MADE:
+            program = with_program(wanted)
             folder = tmp_path_factory.mktemp("c")
-            paths[id(wanted)] = c99_program(COMPILER, folder, made_of(wanted), *options)
-        return paths[id(wanted)]
+            MADE[id(wanted)] = program, c99_program(COMPILER, folder, program, *options)
+        return MADE[id(wanted)]
 
-    return path
+    return made
 
 
 @pytest.fixture
@@ -94,8 +82,9 @@ def started(compiled):
     running = []
 
     def start(wanted):
-        running.append(Driven(compiled(wanted)))
-        return running[-1]
+        program, path = compiled(wanted)
+        running.append(Driven(path))
+        return program, running[-1]
 
     yield start
     assert [one.close() for one in running] == [0] * len(running)
@@ -104,9 +93,8 @@ def started(compiled):
 class Machine:
     """A controller on axes that are where the set-values of the last scan were."""
 
-    def __init__(self, driven, wanted):
-        self.driven, self.wanted, self.made = driven, wanted, made_of(wanted)
-        self.c = driven.c
+    def __init__(self, wanted, made, driven):
+        self.wanted, self.made, self.driven, self.c = wanted, made, driven, driven.c
         first = wanted.planned.entry.setvalues[0] / wanted.planned.count
         self.at = np.rint(first).astype(int)
         self.scans = 0
@@ -138,7 +126,7 @@ class Machine:
 
 @pytest.fixture
 def machine(started):
-    return lambda wanted=None: Machine(started(wanted or job()), wanted or job())
+    return lambda wanted=None: Machine(wanted or job(), *started(wanted or job()))
 
 
 def kept(rows, wanted):
@@ -149,44 +137,46 @@ def kept(rows, wanted):
     live = (rows[:, 2] > DISABLED) & (rows[:, 2] < ERROR_STOP)
     assert not rows[~live, 3:5].any() and not rows[rows[:, 6] == 0, 3:5].any()
     assert np.abs(rows[:, 3:5]).max() <= 1
+    assert np.all((rows[:, 5] >= 0) & (rows[:, 5] <= FULL))
     position = plan.count * rows[:, :2]
     busy = rows[:, 7] == 1
     assert np.all(position[busy] >= [body.theta_min, body.phi_min])
     assert np.all(position[busy] <= [body.theta_max, body.phi_max])
     lever = levers(body.torus, position)
-    speed = np.diff(position, axis=0)
-    change = np.diff(speed, axis=0)
-    # Each set-value is off by up to a count.
-    rounding = plan.count * np.hypot(*lever.max(axis=0))
-    two, three = live[1:] & live[:-1], live[2:] & live[1:-1] & live[:-2]
-    most = plan.limits.feed * plan.tick
-    assert np.linalg.norm(lever[1:] * speed, axis=-1)[two].max(initial=0) <= most + 2 * rounding
-    most = plan.limits.acceleration * plan.tick**2
-    found = np.linalg.norm(lever[1:-1] * change, axis=-1)[three].max(initial=0)
-    assert found <= most + 4 * rounding
+    rounding = plan.count * np.hypot(*lever.max(axis=0))  # each set-value is off by up to a count
+    bounds = plan.limits.feed * plan.tick, plan.limits.acceleration * plan.tick**2
+    for order, most in enumerate(bounds, start=1):
+        change = lever[1 : len(lever) + 1 - order] * np.diff(position, order, axis=0)
+        together = np.all([live[k : len(live) - order + k] for k in range(order + 1)], axis=0)
+        found = np.linalg.norm(change, axis=-1)[together].max(initial=0)
+        assert found <= most + 2 * order * rounding
 
 
 # On time
 
 
 @pytest.mark.parametrize(
-    "wanted",
-    [job(), job("T3"), job(path="corrected chord"), job(laps=2, advance=0.03)],
-    ids=["T0", "T3", "corrected", "two laps"],
-)
-def test_run_on_time_is_the_librarys_to_a_tick(started, wanted):
+    ("wanted", "scans"),
+    [(job(), None), (job(path="corrected chord", feedforward=0.8), None),
+     (job(laps=2, advance=0.03), None),
+     (job("T3"), 1500)],
+    ids=["T0", "corrected", "two laps", "T3"],
+)  # fmt: skip
+def test_run_on_time_is_the_librarys_to_a_tick(started, wanted, scans):
     plan = wanted.planned
     setvalues, slopes = moved(plan)
-    controller = started(wanted)
-    found = closed_loop(controller, wanted, made_of(wanted), len(slopes) + 300)
+    made, controller = started(wanted)
+    found = closed_loop(controller, wanted, made, scans or len(slopes) + 300)
     running = (found[:, 8] == 1) & (found[:, 9] == FULL) & (found[:, 7] == 0)
     begin = int(np.flatnonzero(running)[0])
-    end = int(np.flatnonzero(found[:, 7])[0])
-    assert end - begin - (plan.laps - 1) == len(slopes)  # a scan for a step between laps
+    if not scans:
+        end = int(np.flatnonzero(found[:, 7])[0])
+        assert end - begin - (plan.laps - 1) == len(slopes)  # a scan for a step between laps
     if plan.laps > 1:
         return
-    run = slice(begin, end)
-    np.testing.assert_array_equal(found[run, :2], np.rint(setvalues / plan.count)[:-1])
+    run = slice(begin, scans or end)
+    whole = np.rint(setvalues / plan.count)[: run.stop - begin]
+    np.testing.assert_array_equal(found[run, :2], whole)
     # Its loops are the library's, from the first scan on.
     last = found[-1:, :2]
     track = follow(*wanted.axes, plan.count * np.concatenate([found[:, :2], last]),
@@ -209,6 +199,20 @@ def test_nothing_moves_at_power_on_or_while_disabled(machine):
     assert c.nState == STANDSTILL and [c.nSetTheta, c.nSetPhi] == one.at.tolist()
 
 
+def test_enabled_from_the_first_scan_on_it_stands_still_and_valves_open_wholly_at_most(machine):
+    whole = job()
+    stiff = replace(whole, controller={**whole.controller, "trip": 0.2, "gain": 40.0})
+    one = machine(stiff)
+    c = one.scan(20, bEnable=1, bStart=1)
+    assert (c.nState, c.bBusy) == (STANDSTILL, 0)
+    pushed = int(0.1 / stiff.planned.count)
+    stays = one.at.copy()
+    for way in (pushed, -pushed):
+        one.at = stays + way
+        c = one.scan()
+        assert c.nState == STANDSTILL and c.rValveTheta == c.rValvePhi == -np.sign(way)
+
+
 def test_start_away_from_the_start_position_is_an_error_and_never_a_jump(machine):
     one = machine()
     one.at = one.at + 2000
@@ -216,19 +220,22 @@ def test_start_away_from_the_start_position_is_an_error_and_never_a_jump(machine
     c = one.scan(5, bStart=1)
     assert (c.nState, c.bError, c.nErrorId) == (ERROR_STOP, 1, 3)
     assert [c.nSetTheta, c.nSetPhi] == one.at.tolist() and c.rValveTheta == c.rValvePhi == 0
-    c = one.scan(2, bReset=1, bStart=0)
-    assert (c.nState, c.bError, c.nErrorId) == (STANDSTILL, 0, 0)
+    assert one.scan(2, bEnable=0, bStart=0).nState == ERROR_STOP
+    c = one.scan(2, bReset=1)
+    assert (c.nState, c.bError, c.nErrorId) == (DISABLED, 0, 0)
+    assert one.scan(2, bEnable=1).nState == STANDSTILL
 
 
 @pytest.mark.parametrize("how", [{"bHold": 1}, {"nOverride": 0}, {"nOverride": -400}])
-@pytest.mark.parametrize("when", [3, 60, 400, 700, 3000])
+@pytest.mark.parametrize("when", [3, 60, 700])
 def test_hold_stops_in_every_state_and_goes_on_by_an_edge_of_start_alone(machine, how, when):
     one = machine(job(bits=24))
     one.go(scans=when)
     c = one.scan(400, **how)
     assert c.nState == HOLDING and c.nScale == 0 and c.bBusy
     stood = c.nSetTheta, c.nSetPhi
-    back = {"bHold": 0, "nOverride": 256}
+    assert one.scan(bStart=1).nState == HOLDING  # held still
+    back = {"bHold": 0, "nOverride": 256, "bStart": 0}
     c = one.scan(100, **back)
     assert c.nState == HOLDING and (c.nSetTheta, c.nSetPhi) == stood
     c = one.scan(300, bStart=1)
@@ -247,21 +254,23 @@ def test_disabling_is_at_once_and_gives_the_run_up(machine):
     assert (c.nState, c.nErrorId) == (ERROR_STOP, 3)
 
 
-@pytest.mark.parametrize("fault", ["frozen", "jump", "wrapped"])
+@pytest.mark.parametrize("fault", ["frozen", "theta jumps", "phi jumps", "wrapped"])
 def test_encoder_that_freezes_jumps_or_wraps_shuts_the_valves(machine, fault):
     one = machine()
     one.go()
     stays = one.at.copy()
-    jumps = {"jump": 5000, "wrapped": 2**31 - 1 - one.at[0]}
+    jumps = {"theta jumps": (5000, 0), "phi jumps": (0, 5000), "frozen": (0, 0),
+             "wrapped": (2**31 - 1 - one.at[0], 0)}  # fmt: skip
     lever = one.wanted.planned.circuit.machine.R
     moved_by = 0.0
     for _ in range(400):
-        one.at = stays if fault == "frozen" else one.at + np.array([jumps[fault], 0])
+        one.at = (stays if fault == "frozen" else one.at) + jumps[fault]
         c = one.scan()
         if c.nState == ERROR_STOP:
             break
         moved_by = np.abs(one.at - stays).max() * one.wanted.planned.count * lever
-    assert (c.nState, c.rValveTheta, c.rValvePhi) == (ERROR_STOP, 0, 0) and c.nErrorId in (1, 2)
+    assert (c.nState, c.rValveTheta, c.rValvePhi) == (ERROR_STOP, 0, 0)
+    assert c.nErrorId == (2 if fault == "phi jumps" else 1)
     assert moved_by < 1.3 * one.made.trip
     if fault != "frozen":
         assert one.rows[-2][2] == MOVING  # within a scan
@@ -274,14 +283,21 @@ def test_laps_wait_for_the_step_and_a_run_may_begin_again(machine):
     one = machine(job(laps=2, advance=0.03, tolerance=5e-3))
     one.go(scans=0)
     while not one.c.bStepRequest:
-        one.scan()
+        one.scan(bStepDone=1)  # of an earlier step: no edge
     stood = one.c.nSetTheta, one.c.nSetPhi
     c = one.scan(300)
     assert c.bStepRequest and c.bBusy and (c.nSetTheta, c.nSetPhi) == stood
-    c = one.scan(500, bStepDone=1)
+    # A hold amid the step neither takes the request back nor asks for another one.
+    c = one.scan(3, bHold=1, bStepDone=0)
+    assert c.bStepRequest and c.nState == HOLDING
+    c = one.scan(300, bStepDone=1)
+    assert not c.bStepRequest and (c.nState, c.nScale) == (HOLDING, 0)
+    assert (c.nSetTheta, c.nSetPhi) == stood
+    one.scan(bHold=0)
+    c = one.scan(500, bStart=1)
     assert not c.bStepRequest and (c.nSetTheta, c.nSetPhi) != stood
     while not one.c.bDone:
-        one.scan(bStepDone=0)
+        one.scan(bStepDone=0, bStart=0)
     assert (c.nState, c.bBusy, c.bError) == (STANDSTILL, 0, 0)
     # It withdrew; the machine's own program brings the axes back to the start position.
     one.scan(bEnable=0)
@@ -291,7 +307,7 @@ def test_laps_wait_for_the_step_and_a_run_may_begin_again(machine):
     kept(one.rows, one.wanted)
 
 
-@pytest.mark.parametrize("feed", [0.1, 0.02, 0.005])
+@pytest.mark.parametrize("feed", [0.1, 0.005])
 @pytest.mark.parametrize("twice", [False, True])
 def test_start_within_the_trip_goes_straight_to_the_start_position(machine, feed, twice):
     """However slow the feed; set-values may be a trip farther off than the axes."""
@@ -316,8 +332,7 @@ def test_start_within_the_trip_goes_straight_to_the_start_position(machine, feed
 # A slow task that is late
 
 
-@pytest.mark.parametrize("pause", [50, 400, 1500])
-@pytest.mark.parametrize("when", [420, 700, 2500])
+@pytest.mark.parametrize(("when", "pause"), [(420, 1500), (700, 50), (700, 400), (2500, 1500)])
 def test_starved_line_comes_to_rest_within_the_acceleration_and_goes_on(machine, when, pause):
     wanted = job(bits=24)
     one = machine(wanted)
@@ -340,6 +355,19 @@ def test_starved_line_comes_to_rest_within_the_acceleration_and_goes_on(machine,
         # Where time is scaled the furthest place may be between two scans.
         assert abs(run[:, axis].min() - every[:, axis].min()) < 10
         assert abs(run[:, axis].max() - every[:, axis].max()) < 10
+
+
+def test_start_before_the_slow_tasks_first_call_waits_for_it_and_counts_every_tick(machine):
+    one = machine()
+    one.paused = True
+    first = one.at.copy()
+    c = one.go(scans=50)
+    assert c.nState == MOVING and [c.nSetTheta, c.nSetPhi] == first.tolist()
+    one.paused = False
+    plan = one.wanted.planned
+    ticks = plan.entry.ticks.sum() + plan.ticks.sum() + plan.leave.ticks.sum()
+    c = one.scan(ticks + 300)
+    assert c.bDone and c.nTick == ticks
 
 
 @pytest.mark.parametrize("seed", range(many(3, 50)))
@@ -374,7 +402,7 @@ def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
     kept(one.rows, wanted)
 
 
-@pytest.mark.parametrize(("feed", "step"), [(0.02, 6e-4), (0.05, 5e-4)])
+@pytest.mark.parametrize(("feed", "step"), [(0.05, 5e-4), (0.02, 6e-4)][: many(1, 2)])
 def test_starved_line_comes_to_rest_within_the_acceleration_wherever_it_is(machine, feed, step):
     """Where few ticks suffice to stop, their last ones count."""
     wanted = job(bits=26, feed=feed, step=step, tolerance=5e-3)
@@ -392,9 +420,8 @@ def test_starved_line_comes_to_rest_within_the_acceleration_wherever_it_is(machi
 INTERRUPTED = """
 #include <signal.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/time.h>
-static int32_t wanted[20000][2];
+static T_Setpoint wanted[20000];
 static volatile long points, wrong, inside, taken;
 static volatile bool busy, comparing;
 static int32_t ended;
@@ -414,14 +441,9 @@ static void scan(void)
     if (tunneller.nTick < 0) { taken = 0; ended = 0; }
     if (tunneller.nTick >= 0 && tunneller.now.nEnd != ended) {
         ended = tunneller.now.nEnd;
-        if (comparing) {
-            wrong += wanted[taken][0] != tunneller.now.nTheta;
-            wrong += wanted[taken][1] != tunneller.now.nPhi;
-        } else {
-            wanted[taken][0] = tunneller.now.nTheta;
-            wanted[taken][1] = tunneller.now.nPhi;
-        }
-        ++taken;
+        T_Setpoint *known = &wanted[taken++];
+        if (!comparing) *known = tunneller.now;
+        wrong += known->nTheta != tunneller.now.nTheta || known->nPhi != tunneller.now.nPhi;
         if (taken > points) points = taken;
     }
 }
@@ -444,25 +466,16 @@ int main(void)
     scan();
     comparing = true;
     inside = 0;
-    if (STRIDE > 1) {
-        while (inside < INTERRUPTIONS) {
-            busy = true;
-            fb_setpoints(&setpoints, &ring);
-            busy = false;
-            scan();
-        }
-    } else {
-        struct itimerval often = {{0, 150}, {0, 150}};
-        signal(SIGALRM, alarmed);
-        setitimer(ITIMER_REAL, &often, 0);
-        while (inside < INTERRUPTIONS) {
-            busy = true;
-            fb_setpoints(&setpoints, &ring);
-            busy = false;
-        }
-        memset(&often, 0, sizeof often);
-        setitimer(ITIMER_REAL, &often, 0);
+    struct itimerval often = {{0, 150}, {0, 150}};
+    signal(SIGALRM, alarmed);
+    if (STRIDE == 1) setitimer(ITIMER_REAL, &often, 0);
+    while (inside < INTERRUPTIONS) {
+        busy = true;
+        fb_setpoints(&setpoints, &ring);
+        busy = false;
+        if (STRIDE > 1) scan();
     }
+    signal(SIGALRM, SIG_IGN);
     printf("%ld %ld %ld %ld\\n", wrong, inside, points, (long)tunneller.nErrorId);
     return 0;
 }
@@ -474,7 +487,7 @@ int main(void)
 def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised, stride):
     """By a timer at any instruction (stride 1), and at every boundary of statements in turn."""
     wanted = job(path="corrected chord", step=6e-4)  # a setpoint every scan or two
-    made = made_of(wanted)
+    made = with_program(wanted)
     (tmp_path / "controller.h").write_text(c99_header(made))
     text = c99_text(made)
     if stride > 1:
@@ -486,10 +499,10 @@ def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised, stride):
         text = f"static void at_boundary(void);\n{before}{head}{task}{end}{behind}"
     first = np.rint(wanted.planned.entry.setvalues[0] / wanted.planned.count).astype(int)
     given = {"BEGIN_THETA": first[0], "BEGIN_PHI": first[1], "STRIDE": stride,
-             "INTERRUPTIONS": many(5_000, 50_000)}  # fmt: skip
+             "INTERRUPTIONS": many(2_000, 50_000)}  # fmt: skip
     options = [f"-D{name}={value}" for name, value in given.items()]
     path = build(COMPILER, tmp_path, text + WIRED + INTERRUPTED, "-std=gnu99", optimised,
                  "-Wno-unused-function", *options)  # fmt: skip
     done = subprocess.run([path], capture_output=True, text=True, timeout=600)
     wrong, inside, points, error = map(int, done.stdout.split())
-    assert (wrong, error) == (0, 0) and inside >= many(5_000, 50_000) and points > 4000
+    assert (wrong, error) == (0, 0) and inside >= many(2_000, 50_000) and points > 4000

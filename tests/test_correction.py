@@ -1,7 +1,6 @@
 """The corrected chord, and the rules that are good on short chords."""
 
 import csv
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -117,25 +116,6 @@ def test_paths_have_the_excess_of_the_table(short):
             assert found == pytest.approx(row[name], rel=1e-4, abs=2e-14), name
 
 
-@pytest.mark.parametrize(("name", "oblique", "level"), [
-    ("projected chord", 4, 6), ("one-third rule", 6, 6), ("corrected chord", 6, 6),
-    ("Simpson rule", 6, 10), ("completed Simpson", 8, 10),
-])  # fmt: skip
-def test_powers_of_short_chords(short, name, oblique, level):
-    """In 60 digits, on three tori: the last two chords of each."""
-    for before, last in pairwise(short):
-        if last["length"] != 2**-8:
-            continue
-        power = np.log2(before[name] / last[name])
-        assert power == pytest.approx(level if last["azimuth"] > 1 else oblique, abs=0.04)
-
-
-def test_local_powers_of_the_third_rule(short):
-    errors = [row["one-third rule"] for row in short[1:6]]
-    powers = np.log2(np.divide(errors[:-1], errors[1:]))
-    np.testing.assert_allclose(powers, [6.98, 6.39, 6.12, 6.03], atol=6e-3)
-
-
 def test_constants_of_the_rules(short):
     """A = kappa tau', B = kappa' tau in the middle, from the exact derivatives on a torus."""
     for row in short[7::16]:  # the shortest oblique chord of each torus
@@ -193,11 +173,3 @@ def test_nothing_is_corrected(p, q):
     torus = Torus(1, 1)
     plain = project_chord(torus, p, q, 5, spacing="tangent")
     np.testing.assert_allclose(corrected_chord(torus, p, q, 5), plain, atol=1e-14)
-
-
-def test_correction_begins_below_rounding():
-    """Between normals that differ by a little more than 1e-5."""
-    ends = (0, 0.4), (0.8e-5, 0.4 + 0.8e-5)
-    corrected = corrected_chord(MACHINE.torus, *ends, 9)
-    plain = project_chord(MACHINE.torus, *ends, 9, spacing="tangent")
-    assert 0 < np.max(np.abs(corrected - plain)) < 1e-16

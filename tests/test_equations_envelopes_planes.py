@@ -4,11 +4,13 @@
 it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import sympy as sp
+from numpy.polynomial import Polynomial
 from scipy.optimize import brentq
 
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
@@ -37,13 +39,15 @@ from tests.symbols_envelopes import (
     y,
     zero,
 )
-from tunneller_lib.envelopes import hyperosculating_cones
+from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.isotropic import (
     cone_planes,
     cone_vertex,
     contact_point,
+    normal,
+    osculating_conic,
     plane_to_point,
     point_to_plane,
     sphere_point,
@@ -327,6 +331,69 @@ def test_third_order_contact_is_not_always_free(judge):
             around = [(i, j) for i in (-2, 0, 1) for j in (-1, 0, 2) if (i, j) != (0, 0)]
             _, inside = _within_the_cone(graph, (0, 0), (0, 1), around)
             assert max(inside) < 0
+
+
+def test_curves_in_contact_envelop_surfaces_in_contact_along_a_ruling(judge):
+    """A point beside the common ruling is off the other surface by the power n + 1 of its place."""
+    rng, orders = np.random.default_rng(31), {1: [], 2: [], 3: []}
+
+    def planes(x, y, z):
+        """Return the planes of a curve of the model, unnormalised, by its parameter."""
+        return [2 * x, 2 * y, 1 - x * x - y * y, 2 * z]
+
+    for n, found in orders.items():
+        curve = [Polynomial(rng.uniform(-1, 1, 5)) for _ in range(3)]
+        gap = Polynomial([0] * (n + 1) + [1])
+        one, two = planes(*curve), planes(*(part + rng.uniform(0.5, 1) * gap for part in curve))
+        across = rng.uniform(-1, 1, 3)
+
+        def off(step, along, one=one, two=two, across=across):
+            """Return how far a point of one surface is from the other, and from the ruling."""
+            T, T_u = ([part(step) for part in each] for each in (two, [p.deriv() for p in two]))
+            point = np.linalg.solve([T[:3], T_u[:3], across], [-T[3], -T_u[3], along])
+            height = sum(part * place for part, place in zip(one, [*point, 1], strict=True))
+            roots = height.deriv().roots()
+            touched = roots[np.argmin(abs(roots - step))].real
+            return abs(height(touched)), point
+
+        for along in (-1.0, 0.3, 2.0):
+            (near, _), (far, _) = off(0.001, along), off(0.002, along)
+            found.append(np.log2(far / near))
+            start, moved = off(0.0, along)[1], off(0.002, along)[1]
+            assert off(0.0, along)[0] < 1e-14 and 1e-4 < np.linalg.norm(moved - start) < 1
+    judge("cones-common-ruling", all(np.allclose(orders[n], n + 1, atol=0.1) for n in orders))
+
+
+def test_osculating_cones_undercut_and_smaller_ones_do_not(judge):
+    """Of Example 31 at one point, in twelve directions: contact of order 2 is crossed as a cube."""
+    place = np.array([0.5, 0.3])
+
+    def near(size):
+        a, b = np.meshgrid(*(place[:, None] + size * np.linspace(-1, 1, 121)))
+        jet = example(*jet_variables(a, b))
+        slopes = jet.derivative(1, 0), jet.derivative(0, 1)
+        return np.stack(contact_point(a, b, jet.value, *slopes), axis=-1)
+
+    jet, contact = example(*jet_variables(*place)), near(1e-3)[60, 60]
+    enters, cubes, free = [], [], []
+    for turn in np.linspace(0.1, 0.1 + 2 * np.pi, 12, endpoint=False):
+        w = np.array([np.cos(turn), np.sin(turn)])
+        c, e = centre = w * (1 + place @ place) / 2 / (np.tan(ANGLE) - place @ w)  # on Eq. 9
+        z, a, b = osculating_conic(centre, jet)
+        vertex = cone_vertex((*place, z), centre, a, b)
+        one, two, three = (np.stack(normal(*(place + step)), axis=-1)
+                           for step in ((0, 0), (2 * c, 2 * e), (c + e, e - c)))  # fmt: skip
+        axis = np.cross(two - one, three - one)
+        axis *= np.sign(axis @ (contact - vertex)) / np.linalg.norm(axis)
+        far = np.linalg.norm(contact - vertex)
+        cone = ConePose(vertex, axis, ANGLE, near=far / 2, far=2 * far)
+        half, whole = (-cone.clearance(near(size)).min() for size in (1e-3, 2e-3))
+        enters.append(half > 1e-11)
+        cubes.append(np.log2(whole / half))
+        smaller = replace(cone, vertex=vertex + 1.01 * whole / np.sin(ANGLE) * axis)
+        free.append(smaller.clearance(near(2e-3)).min() > 0)
+    judge("cones-undercut", np.all(enters) and np.all(free))
+    assert np.allclose(cubes, 3, atol=0.4)
 
 
 def _axis_over(place, centre):

@@ -145,9 +145,9 @@ def test_geodesic_in_real_time(judge, monkeypatch):
         rounds.append(2 * nodes[1])
         return summed(torus, way, nodes, rows)
 
-    summed = geodesic_root._summed
+    summed = geodesic_root.integrate
     monkeypatch.setattr(compiled, "ready", lambda kind=None: False)
-    monkeypatch.setitem(elementwise.PLAIN, "_summed", counted)
+    monkeypatch.setitem(elementwise.PLAIN, "integrate", counted)
     number, lengths = [], []
     for p, q in zip(*pairs(300), strict=True):
         before = len(rounds)

@@ -9,7 +9,7 @@ import pytest
 
 from tests.audit.long import many
 from tests.structured_text import FunctionBlock, check_names
-from tunneller_lib.motion import polyline, time_bresenham
+from tunneller_lib.motion import polyline
 from tunneller_lib.motion.export import (
     C_HEAD,
     C_MACROS,
@@ -98,17 +98,10 @@ def test_line_in_structured_text_is_the_polyline_bit_for_bit(parts):
 
 
 @compilers
-def test_line_in_c_is_the_library_s_bit_for_bit(tmp_path, compiler):
-    fill = built(compiler, tmp_path, line_c99() + FILL).fill
-    for start, stop, ticks in moves(2, 200):
-        values = np.empty(ticks + 1, dtype=np.int32)
-        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
-        np.testing.assert_array_equal(values, time_bresenham(start, stop, ticks))
-
-
-@compilers
-def test_line_in_c_of_a_hundred_thousand_moves_in_parts_of_a_count(tmp_path, compiler):
-    fill = built(compiler, tmp_path, line_c99(parts=4096) + FILL).fill
+@pytest.mark.parametrize("parts", [1, 4096])
+def test_line_in_c_of_a_hundred_thousand_moves_is_exact(tmp_path, compiler, parts):
+    text = line_c99() if parts == 1 else line_c99(parts=parts)
+    fill = built(compiler, tmp_path, text + FILL).fill
     ends = np.random.default_rng(6).integers(-(2**30), 2**30, (10, 10_000, 2), dtype=np.int32)
     for ticks, pairs in enumerate(ends, start=1):
         found = np.empty((len(pairs), ticks + 1), dtype=np.int32)
@@ -116,11 +109,11 @@ def test_line_in_c_of_a_hundred_thousand_moves_in_parts_of_a_count(tmp_path, com
             fill(ctypes.c_void_p(row.ctypes.data), *pair, ticks)
         start, stop = pairs.T.astype(np.int64)[..., None]
         exact = start * ticks + np.arange(ticks + 1) * (stop - start)
-        np.testing.assert_array_equal(found, (exact + ticks * 2048) // (ticks * 4096))
-    for start, stop, ticks in EDGES:
-        values = np.empty(ticks + 1, dtype=np.int32)
-        fill(values.ctypes.data_as(ctypes.c_void_p), start, stop, ticks)
-        assert values.tolist() == in_parts(start, stop, ticks, 4096)
+        np.testing.assert_array_equal(found, (exact + ticks * parts // 2) // (ticks * parts))
+    for move in moves(2, 200):
+        values = np.empty(move[2] + 1, dtype=np.int32)
+        fill(values.ctypes.data_as(ctypes.c_void_p), *move)
+        assert values.tolist() == in_parts(*move, parts)
 
 
 def test_names_of_the_line_are_short_and_free():
@@ -277,8 +270,9 @@ def test_comments_are_kept(sample):
 def test_a_structure_of_values_is_constants(sample):
     *_, job, _, outer = sample
     assert job.rows("VAR CONSTANT") == [
-        ("rSmall", "", "LREAL", "5.0e-05", ""), ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", "")
-    ]  # fmt: skip
+        ("rSmall", "", "LREAL", "5.0e-05", ""),
+        ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", ""),
+    ]
     assert "T_Job" not in c99_types(sample)
     assert "static const double aTable[3] = {9.0, -1.0e+300, 1.0};\n" in c99_code(sample)
     assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")

@@ -16,6 +16,7 @@ from tests.hard_lines import FAMILIES, KINDS, meet, shape_of
 from tests.references import hard_lines_peers, hard_lines_table
 
 READS = ["tests/references/*"]
+
 HERE = Path(__file__).parent / "references"
 PAGE = (HERE / "README.md").read_text(encoding="utf-8")
 COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
@@ -63,8 +64,7 @@ def test_table_is_what_its_script_writes(rows):
     for k, kind in enumerate(KINDS):
         for number, family in enumerate(FAMILIES):
             rng = np.random.default_rng([hard_lines_table.SEED, k, number])
-            few = 1 if kind == "rounded" else 2  # whose judge takes fifty times as long
-            made = hard_lines_table.rows(kind, family, rng, only=few)
+            made = hard_lines_table.rows(kind, family, rng, only=2)
             kept = rows[first[kind, family.__name__] :]
             for one, row in zip(made, kept, strict=False):
                 assert one == list(row.values())
@@ -110,25 +110,6 @@ def test_answers_of_the_table_are_ordered_and_as_deep_as_they_say(rows):
         depth, hit = float(row["depth"]), float(row["enter"]) <= float(row["leave"])
         assert (depth >= 0 and hit) or (depth <= 0 and not hit)
         assert float(row["give"]) <= float(row["give_single"]) or not hit
-
-
-def test_peers_were_asked_every_line_of_what_they_have(rows):
-    asked = {}
-    with hard_lines_peers.TABLE.open(newline="") as file:
-        for row in csv.DictReader(file):
-            kept = asked.setdefault(row["routine"], {})
-            kept[row["kind"], row["family"]] = {name: int(row[name]) for name in (
-                "lines", "holes", "ghosts", "displaced", "touches", "touches lost")}  # fmt: skip
-    assert set(asked) == set(hard_lines_peers.PRECISION) and len(asked) >= 7
-    ours = asked["tunneller_lib"]
-    wrong = ("holes", "ghosts", "displaced")
-    assert not any(kept[word] for kept in ours.values() for word in wrong)
-    # A ray's start is rounded, so that a touch of the table may be none of the ray's.
-    assert sum(kept["touches lost"] for kept in ours.values()) <= 10
-    assert sum(kept["lines"] for kept in ours.values()) == len(hard_lines_peers.asked(rows))
-    for kept in asked.values():
-        for group, count in kept.items():
-            assert count["lines"] <= ours[group]["lines"]
 
 
 def test_touches_that_the_library_loses_are_misses_of_the_rounded_ray(rows):

@@ -89,6 +89,16 @@ def test_the_degree_rises_as_noise_falls():
     assert loud.fits and quiet.fits and loud.degree < quiet.degree
 
 
+def test_the_degree_is_two_above_that_of_a_polynomial():
+    """An even one at places symmetric about the origin, so that the mean normal is upright."""
+    x, y = np.random.default_rng(6).uniform(-1, 1, (2, 300))
+    x, y = np.append(x, -x), np.append(y, -y)
+    contact = np.stack([x, y, 0.03 * x**6 - 0.05 * x**3 * y], axis=-1)
+    n = np.stack([-0.18 * x**5 + 0.15 * x * x * y, 0.05 * x**3, 1 + 0 * x], axis=-1)
+    n /= np.linalg.norm(n, axis=-1, keepdims=True)
+    assert fit_surface(contact, n, contact_error=1e-6, normal_error=1e-6).degree == 8
+
+
 def test_noise_that_is_said_too_small_fits_nothing():
     errors = {"contact_error": 1e-3, "normal_error": 1e-3}
     fits = [fit_surface(*noisy(planes(250), e, 5), **errors).fits for e in (1e-3, 1.4e-3)]

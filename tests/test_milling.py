@@ -16,6 +16,7 @@ from tunneller_lib.milling import (
     Patch,
     ball_chain,
     cover,
+    coverage_of,
     cylinder_chain,
     find_positions,
     find_scallops,
@@ -95,6 +96,12 @@ def quarter(radius):
 def test_a_rational_surface_is_a_cylinder_with_all_its_derivatives():
     s, t = np.random.default_rng(1).uniform(0, 1, (2, 30))
     surface = quarter(2.0)
+    knots = surface.knots_s, surface.knots_t
+    turned = Nurbs(surface.control.swapaxes(0, 1), *knots, surface.weights.T)
+    for one, other in zip(surface.coordinates(*jet_variables(s, t)),
+                          turned.coordinates(*jet_variables(t, s)), strict=True):  # fmt: skip
+        for i, j in ((1, 0), (0, 2), (2, 1), (3, 0), (1, 3)):
+            np.testing.assert_allclose(one.derivative(i, j), other.derivative(j, i), atol=1e-9)
     x, y, z = surface.coordinates(s, t)
     np.testing.assert_allclose(np.hypot(x, y), 2.0, rtol=1e-14)
     x, y, z = surface.coordinates(*jet_variables(s, t))
@@ -282,6 +289,7 @@ def test_the_known_motion_of_a_cone_is_recovered_from_its_envelope():
     row = int(np.flatnonzero((found.index == 12) & found.fits & right)[0])
     chain = trace_chain(patch, mill, found, row, step=1 * MM, tolerance=1e-6)
     np.testing.assert_allclose(chain.axis, axis_of(motion, chain.t), atol=2e-7)
+    assert np.all(np.sum((found.tip - found.contact) * found.normal, axis=-1)[found.fits] > 0)
     strip = strip_across(patch, mill, chain, reach=20 * MM)
     assert strip.widths(1e-8).min() > 13 * MM  # the whole patch
 
@@ -313,6 +321,8 @@ def test_ball_and_cylinder_touch_where_the_chain_does(chain):
         seen = seen_from(chain.contact[:, None], one.tip, one.axis)
         assert np.abs(mill.cutting(*seen)).max() < 1e-15
     assert np.abs(np.sum(beside.axis * chain.normal, axis=-1)).max() < 1e-12
+    other = cylinder_chain(BLADE, chain, cylinder, which=-1)
+    assert np.abs(np.sum(beside.axis * other.axis, axis=-1)).max() < 0.99  # two ways
     with pytest.raises(ValueError, match="mill: must be thin enough"):
         cylinder_chain(BLADE, chain, CylinderMill(5.0, 1.0))
 
@@ -392,6 +402,10 @@ def test_balls_side_by_side_leave_the_scallops_of_pythagoras(pitch):
     assert lines[:, 1].min() == 2 and lines[:, 1].max() == 9
 
 
+def test_a_patch_has_its_area():
+    assert coverage_of(PLANE, BALL, [straight(0.0)], n=21).area.sum() == pytest.approx(0.04**2)
+
+
 def test_a_strip_between_counts():
     """The outer two chains begin lines to the middle one, whose sweep is what is left there."""
     outer = [straight(-2 * MM), straight(2 * MM)]
@@ -403,7 +417,7 @@ def test_a_strip_between_counts():
 
 def test_chains_that_lie_alone_behind_or_are_too_short_have_no_scallops():
     one = straight(0.0)
-    away = np.array([0.03, 0, 0])
+    away = np.array([0.03, 1 * MM, 0])  # more along than across
     behind = replace(one, contact=one.contact + away, tip=one.tip + away)
     short = [straight(0.0, count=4), straight(1 * MM, count=4)]
     there_and_back = zip(*(vars(straight(y)).values() for y in (0.0, 2 * MM)), strict=True)

@@ -229,6 +229,13 @@ def test_branches_and_loops_are_closed_by_their_own_ends(texts):
         assert "FOR " not in statements  # one compiler runs no call of it if its bounds are equal
 
 
+def test_blocks_that_an_engineer_reads_take_four_pages(texts):
+    """A4 with margins of 15 and 10 mm has 72 lines of 100 columns of 9 pt."""
+    _, text = texts
+    lines = text[text.index("(* A straight move") : text.index("PROGRAM PRG_Slow")].splitlines()
+    assert 200 < len(lines) < 4 * 72 and max(map(len, lines)) <= 100
+
+
 def test_names_are_short_free_and_unique_within_a_block_whatever_their_case(texts):
     root, _ = texts
     named = "pou", "dataType", "configuration", "resource", "task", "pouInstance"

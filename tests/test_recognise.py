@@ -105,7 +105,7 @@ def test_channels_of_constant_slope_are_envelopes_of_cones():
     assert other.verdict == "is not" and other.residual > 2.5e-4
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1e6])
+@pytest.mark.parametrize("scale", [1e-6, 1e40])
 @pytest.mark.parametrize("kind", MEMBERS)
 def test_verdicts_do_not_depend_on_the_unit(kind, scale):
     plain = MEMBERS[kind][1]

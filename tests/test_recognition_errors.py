@@ -19,10 +19,12 @@ from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
 from tunneller_lib.envelopes.evidence import (
     RUNS,
+    Forms,
     RoughJet,
     errors,
     rough_frames,
     spread_in_two,
+    weigh,
     zeros,
 )
 from tunneller_lib.envelopes.families import channel, helix, moving_cone, screwing
@@ -196,6 +198,16 @@ def test_zeros_that_come_as_one_are_both_within_its_spread(apart):
     assert several[near].all()
 
 
+@pytest.mark.parametrize(("aside", "refutes"), [(1e-5, False), (1e-2, True)])
+def test_a_zero_that_may_be_off_refutes_only_beyond_what_that_makes_of_the_second_form(
+    aside, refutes
+):
+    """The first form is known to 1e-4, so that its zero may be 1e-4 rad aside."""
+    one = np.ones(1)
+    forms = Forms(np.cos, lambda a: np.cos(a + aside), 1, 1e-4 * one, 0 * one, np.ones_like)
+    assert weigh(forms, 1e-2).refutes == refutes
+
+
 @pytest.mark.parametrize("size", [1e-6, 1.0])
 def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
     s, t = size * np.random.default_rng(4).uniform(-1, 1, (2, 20))
@@ -203,6 +215,9 @@ def test_points_are_spread_unless_one_conic_or_one_orbit_holds_them(size):
     normals = np.stack([s / size, t / size, np.full(20, 2.0)], axis=-1)
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
     assert spread_in_two(s, t, None) and spread_in_two(s, t, normals)
+    band = np.stack([np.cos(angle), np.sin(angle), 1 + 0.02 * t / size], axis=-1)
+    band /= np.linalg.norm(band, axis=-1, keepdims=True)
+    assert spread_in_two(s, t, band)  # about a circle, and wide enough
     for turn in (angle, 5e-6 * angle):  # a circle, and an arc that is hardly turned
         circle = np.stack([np.cos(turn), np.sin(turn), np.ones(20)], axis=-1) / np.sqrt(2)
         assert not spread_in_two(s, t, circle)
@@ -289,6 +304,13 @@ def test_errors_of_radii_are_lengths_and_those_of_half_angles_are_not(kind, powe
     )
     assert np.all(metre > 1e-12)
     np.testing.assert_array_equal(smaller, metre * 1024.0**power)
+
+
+def test_both_principal_directions_are_found_again_near_those_of_the_middle():
+    turn = principal(JET)[2][:, None]
+    both = np.add(turn, [0.0, np.pi / 2])
+    found = KINDS["pipe"].found_again(JET, both + 0.3)
+    np.testing.assert_allclose(found, both, atol=1e-12)
 
 
 @pytest.mark.parametrize(("share", "simple"), [(1e-6, False), (1e-4, True)])

@@ -1,13 +1,9 @@
-"""Lines against rods, capsules, frusta, boxes and rounded discs: one promise, judged exactly."""
-
-import tracemalloc
+"""Lines against rods, capsules, frusta and boxes: one promise, judged exactly."""
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from exhibits.exact_shapes import EPS, exact_interval, exact_intervals, full_size, judged, size_of
+from exhibits.exact_shapes import exact_interval, exact_intervals, full_size, judged, size_of
 from tests.audit.long import many
 from tests.hard_lines import (
     FAMILIES,
@@ -16,14 +12,12 @@ from tests.hard_lines import (
     Whole,
     limits,
     meet,
-    ordinary,
     scaled,
     shape_of,
     sizes,
     some,
 )
-from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
-from tunneller_lib.surfaces.rod import meet_rods
+from tunneller_lib.surfaces import Box, Frustum, Rod
 
 FAR = 1e15  # sizes from which the promise holds, as the docstrings say
 LINES = many(75, 2_500)  # a family and kind, each judged in whole numbers
@@ -34,15 +28,10 @@ every_kind = pytest.mark.parametrize("kind", KINDS)
 every_family = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.__name__)
 
 
-def fewer(kind, n):
-    """Return how many lines of a kind are judged: halving takes the judge fifty times as long."""
-    return max(n // 25, 1) if kind == "rounded" else n
-
-
 @every_kind
 @every_family
 def test_hard_lines_keep_the_promise(family, kind):
-    lines = family(kind, np.random.default_rng(1), fewer(kind, LINES))
+    lines = family(kind, np.random.default_rng(1), LINES)
     assert not np.any(judged(meet(kind, *lines), kind, *lines))
 
 
@@ -50,7 +39,7 @@ def test_hard_lines_keep_the_promise(family, kind):
 @every_family
 def test_a_line_has_the_same_bits_alone_and_among_many(family, kind):
     # In floats or in rows; with a direction each or one for all, as a raster has it.
-    lines = family(kind, np.random.default_rng(11), fewer(kind, 38))
+    lines = family(kind, np.random.default_rng(11), 38)
     for row, point, way in zip(*lines, strict=True):
         shape = shape_of(kind, row)
         alone = shape.meet_line(point, way)
@@ -72,12 +61,11 @@ def promised(kind, shapes, p, u):
 def test_shapes_at_their_limits_keep_the_promise_line_by_line_and_many_at_once(kind):
     # Each shape with lines of many directions through a place of its surface, and parallel ones.
     shapes, p, u = limits(kind, np.random.default_rng(21), many(40, 400))
-    every = 10 if kind == "rounded" else 1  # whose judge takes twenty times as long
     asked = 0
-    for i in range(0, len(shapes), every):
+    for i in range(len(shapes)):
         shape = shape_of(kind, shapes[i])
         step = 2.0 ** np.frexp(full_size(kind, shapes[i : i + 1]) / np.abs(u[i]).max())[1]
-        for points, along in ((p[i], u[::every]), (p[i] + np.outer([-2, 0, 1] * step, u[i]), u[i])):
+        for points, along in ((p[i], u), (p[i] + np.outer([-2, 0, 1] * step, u[i]), u[i])):
             found = shape.meet_line(points, along)
             points, along = np.broadcast_arrays(points, along)
             alone = [shape.meet_line(*line) for line in zip(points, along, strict=True)]
@@ -86,13 +74,12 @@ def test_shapes_at_their_limits_keep_the_promise_line_by_line_and_many_at_once(k
             asked += np.sum(near := promised(kind, rows, points, along))
             wrong = judged(found, kind, rows, points, along)
             assert not np.any(wrong & near)
-    assert asked > 0.8 * len(shapes[::every]) * (3 + len(u[::every]))
+    assert asked > 0.8 * len(shapes) * (3 + len(u))
 
 
 def test_points_without_a_size_are_met_where_they_are():
-    assert RoundedDisc((1, 2, 3), (1, 1, 0), 0, 0).meet_line((1, 2, 3), (4, 5, -6)) == (0, 0)
     assert Rod((1, 2, 3), (1, 2, 3), 0, "round").meet_line((1, 2, 3), (4, 5, -6)) == (0, 0)
-    assert RoundedDisc((1, 2, 3), (1, 1, 0), 0, 0).meet_line((1, 2, 4), (0, 1, 0))[0] == np.inf
+    assert Rod((1, 2, 3), (1, 2, 3), 0, "round").meet_line((1, 2, 4), (0, 1, 0))[0] == np.inf
 
 
 def far_away(kind, rng, n):
@@ -115,7 +102,7 @@ def far_away(kind, rng, n):
 
 @every_kind
 def test_promise_holds_for_points_1e15_sizes_away(kind):
-    shapes, p, u = lines = far_away(kind, np.random.default_rng(23), fewer(kind, many(400, 4000)))
+    shapes, p, u = lines = far_away(kind, np.random.default_rng(23), many(400, 4000))
     away = np.linalg.norm(p, axis=-1) / size_of(kind, shapes, u)
     assert np.all((away > 0.8 * FAR) & (away < 1.01 * FAR))
     enter, leave = exact_intervals(kind, *lines)
@@ -148,38 +135,12 @@ def test_promise_holds_for_needles_seen_end_on(kind, ratio):
 @every_kind
 @pytest.mark.parametrize("family", MIDDLING, ids=lambda f: f.__name__)
 def test_lines_scale_by_powers_of_two_bit_for_bit(family, kind):
-    shapes, p, u = family(kind, np.random.default_rng(2), fewer(kind, 60))
+    shapes, p, u = family(kind, np.random.default_rng(2), 60)
     found = meet(kind, shapes, p, u)
     for power in (-30, 7):  # within what the quick way takes
         k = 2.0**power
         np.testing.assert_array_equal(meet(kind, shapes * k, p * k, u), np.multiply(found, k))
         np.testing.assert_array_equal(np.multiply(meet(kind, shapes, p, u * k), k), found)
-
-
-@every_kind
-def test_judge_notices_each_fault(kind):
-    # An answer emptied, one end moved inwards or outwards by more than the promise.
-    n = many(200, 600) if kind != "rounded" else many(14, 60)
-    lines = ordinary(kind, np.random.default_rng(3), n)
-    shapes, _, u = lines
-    enter, leave = exact_intervals(kind, *lines)
-    chord = leave - enter
-    hit = chord * np.linalg.norm(u, axis=-1) > 0.1 * size_of(kind, shapes, u)
-    assert hit.sum() >= 5
-    step = np.where(hit, chord / 100, 0)
-    wrong = [
-        (np.where(hit, np.inf, enter), np.where(hit, -np.inf, leave)),
-        (enter + step, leave),
-        (enter - step, leave),
-    ]
-    for found, fault in zip(wrong, range(3), strict=True):
-        verdicts = judged(found, kind, *lines)
-        np.testing.assert_array_equal(verdicts[fault], hit)
-    assert not np.any(judged((enter, leave), kind, *lines))
-    # A hit invented for a line that misses.
-    missing = enter > leave
-    verdicts = judged((np.where(missing, 0.0, enter), np.where(missing, 0.0, leave)), kind, *lines)
-    assert verdicts[2][missing].all() and missing.sum() >= 5
 
 
 def test_judge_by_hand():
@@ -204,37 +165,7 @@ def test_judge_by_hand():
     assert exact_interval("box", box, (-1, 0, 5.5), (1, 0, -1)) is None
 
 
-@pytest.mark.parametrize("height", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_flat_cones_keep_their_chords(height):
-    # Lines that slant through a cone much wider than high, which lost up to 0.6 of its radius.
-    rng = np.random.default_rng(5)
-    n = 500
-    angle = rng.uniform(0, 2 * np.pi, n)
-    unit = np.stack([np.cos(angle), np.sin(angle), height * rng.normal(size=n)], axis=-1)
-    p = np.insert(rng.uniform(-0.5, 0.5, (n, 2)), 2, height * rng.uniform(0, 0.4, n), axis=-1)
-    shapes = np.tile([0, 0, 0, 0, 0, height, 1, 0, 0, 0, 0, 0], (n, 1))
-    found = Frustum((0, 0, 0), (0, 0, height), 1, 0).meet_line(p, unit)
-    exact = exact_intervals("frustum", shapes, p, unit)
-    assert not np.any(judged(found, "frustum", shapes, p, unit))
-    # Rounding places the wall to eps of the radius, and so an end to that over the slope between
-    # line and wall, which is the height in the median.
-    assert np.median(np.abs(np.subtract(found, exact))) <= 64 * EPS / height
-
-
 BOX = Box((1, 2, 3), (2, 0, 0), (0, 2, 0), (0, 0, 2))
-
-
-@every_kind
-def test_memory_a_line_is_at_most_64_bytes(kind):
-    rng = np.random.default_rng(8)
-    p, u = rng.normal(size=(2, 400_000 if kind != "rounded" else 200_000, 3))
-    row = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1] if kind == "box" else [0, 0, 0, 1, 0, 0, 0.5, 0.4]
-    shape = shape_of(kind, np.array(row, dtype=float))
-    tracemalloc.start()
-    shape.meet_line(p, u)
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert most <= 64 * len(p)
 
 
 def test_a_box_by_hand():
@@ -251,14 +182,6 @@ def test_a_box_by_hand():
         assert BOX.meet_line(p, u) == expected
 
 
-def test_edges_of_a_box_may_be_of_either_hand():
-    shapes, p, u = ordinary("box", np.random.default_rng(9), 300)
-    expected = meet("box", shapes, p, u)
-    assert np.mean(np.isfinite(expected[0])) > 0.1
-    swapped = shapes[:, [0, 1, 2, 6, 7, 8, 3, 4, 5, 9, 10, 11]]
-    np.testing.assert_allclose(meet("box", swapped, p, u), expected, rtol=1e-12, atol=1e-12)
-
-
 def test_a_box_must_be_square():
     for edges, rule in (
         ([(0, 0, 0), (0, 1, 0), (0, 0, 1)], "not be zero"),
@@ -271,29 +194,6 @@ def test_a_box_must_be_square():
 
 
 # ---- frusta ---------------------------------------------------------------------------------
-
-
-def depth(frustum, points):
-    """Return how far points are inside all three surfaces, from the definition."""
-    a, v = np.array(frustum.a), np.subtract(frustum.b, frustum.a)
-    length = np.linalg.norm(v)
-    along = (points - a) @ v / length
-    off = np.linalg.norm((points - a) - along[..., None] * v / length, axis=-1)
-    wide = frustum.radius_a + (frustum.radius_b - frustum.radius_a) * along / length
-    return np.minimum(np.minimum(along, length - along), wide - off)
-
-
-@given(st.integers(0, 2**32 - 1), st.sampled_from([1e-6, 1.0, 1e6]))
-def test_a_line_is_in_a_frustum_where_its_points_are(seed, scale):
-    rng = np.random.default_rng(seed)
-    radii = rng.uniform(0, 1, 2) * scale * rng.choice([[1, 1], [0, 1], [1, 0]])
-    frustum = Frustum(*(rng.normal(size=(2, 3)) * scale), *radii)
-    p, u = rng.normal(size=(2, 60, 3)) * scale
-    enter, leave = frustum.meet_line(p, u)
-    share = np.linspace(-3, 4, 301)[:, None]
-    inside = depth(frustum, p + share[..., None] * u)
-    within = (share >= enter) & (share <= leave)
-    assert np.all(inside[~within] <= 1e-9 * scale) and np.all(inside[within] >= -1e-9 * scale)
 
 
 def test_a_cone_by_hand():
@@ -330,17 +230,6 @@ def test_a_line_nearly_along_a_ruling_leaves_the_wall_before_the_tip_that_it_pas
     found = Frustum(a, b, *radii).meet_line(p, u)
     faults = judged([np.array([end]) for end in found], "frustum", *lines)
     assert not np.any(faults) and found[1] < 2.0**79 * (1 - 1e-13)
-
-
-def test_a_frustum_is_between_the_rods_of_its_discs_and_the_same_with_its_ends_exchanged():
-    p, u = np.random.default_rng(4).normal(size=(2, 2000, 3))
-    frustum = Frustum((0, 0, 0), (1, 2, 2), 0.3, 0.9)
-    enter, leave = frustum.meet_line(p, u)
-    thin, thick = (meet_rods(frustum.a, frustum.b, r, p, u) for r in (0.3, 0.9))
-    assert np.all(thick[0] <= enter + 1e-12) and np.all(enter <= thin[0] + 1e-12)
-    assert np.all(thick[1] >= leave - 1e-12) and np.all(leave >= thin[1] - 1e-12)
-    other = Frustum(frustum.b, frustum.a, 0.9, 0.3)
-    np.testing.assert_allclose(other.meet_line(p, u), (enter, leave), atol=1e-6)
 
 
 @pytest.mark.parametrize("size", [1e-90, 1.0, 1e90])

@@ -10,6 +10,7 @@ from scipy.integrate import quad
 from exhibits.groove_plot import draw_passes
 from kit import figure
 from tests.shapes import log_uniform
+from tunneller_lib.removal import Ground
 from tunneller_lib.removal.volume import (
     advance_for_volume,
     bowl,
@@ -51,7 +52,7 @@ def test_groove_area_keeps_its_digits(share):
     with mp.workdps(60):
         g = mp.mpf(share)
         expected = mp.acos(1 - g) - (1 - g) * mp.sqrt(2 * g - g**2)
-        assert np.isclose(groove_area(1, share), float(expected), rtol=2e-15)
+        assert groove_area(1, share) == pytest.approx(float(expected), rel=2e-15, abs=0)
 
 
 @given(st.floats(0.01, 1), st.floats(0.01, 3), st.floats(1.0001, 30))
@@ -84,6 +85,11 @@ def test_advance_for_volume_is_the_inverse(volume, depth):
     for options in ({}, {"wall": 0.5}, {"wall": 0.25, "pitch": 0.03}):
         c = advance_for_volume(0.2, volume, depth, **options)
         assert np.isclose(removed_volume(0.2, c, depth, **options), volume, rtol=1e-14)
+
+
+def test_force_of_picks_swells_about_its_mean():
+    picks = Ground(20e6, 2.0, ripple=0.3, ripple_frequency=5.0)
+    assert picks.pulse([0.0, 0.05, 0.15]) == pytest.approx([1.0, 1.3, 0.7], rel=1e-14)
 
 
 def test_wrong_cuts_are_refused():

@@ -583,16 +583,17 @@ Length0 = Number(LEAST, MOST, "m", why=_SQUARES, or_zero=True)
 Coordinate = Number(-MOST, MOST, "m")
 Angle = Number(-MOST, MOST, "rad")
 HalfAngle = Number(
-    LEAST, np.pi / 2, "rad",
+    LEAST,
+    np.pi / 2,
+    "rad",
     also=("lie between 0 and pi/2, both left out", lambda angle: 0 < angle < np.pi / 2),
-)  # fmt: skip
+)
 Duration = Number(LEAST, MOST, "s")
 Sign = Annotated[int, Rule("{1, -1}", _sign)]
 Point = Array("(3,) float", "m", last="x, y, z")
 Direction = Annotated[tuple, Rule("(3,) float", _direction)]
 # Many, that broadcast:
 Corners = Array("(..., 2) float", "m", last="x, y")
-Polynomials = Array("(..., n + 1) float", loose=True)
 Reals = Array("(...) float")
 Angles = Array("(...) float", "rad")
 Lengths = Array("(...) float", "m")
@@ -604,7 +605,7 @@ Rates = Array("(..., 2) float", "rad/s", last="theta, phi")
 
 # The same for functions that look at a value themselves.
 finite, positive = rule_of(Finite).check, rule_of(Positive).check
-bounded_array, near_points = rule_of(Reals).check, rule_of(Points).check
+bounded_array = rule_of(Reals).check
 finite_array = rule_of(Array("(...) float", low=-GREATEST, high=GREATEST)).check
 positions = rule_of(Positions).check
 _vectors = rule_of(Array("(..., 3) float", last="x, y, z", loose=True)).check

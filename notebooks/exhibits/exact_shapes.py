@@ -6,10 +6,9 @@ positive. Lengths get 128 bits below their last one, to which roots are rounded 
 that touches counts as meeting.
 
 Shapes are rows of twelve numbers: rod, capsule and frustum (a, b, r_a, r_b, zeros), box (corner,
-three edges), rounded disc (centre, axis, radius, corner's radius, zeros). Grown by a margin, a
-shape's planes and walls move outwards by it, a frustum ends at its grown widest radius, and a box
-is that of the moved planes: no point of the grown shape is farther from the shape than sqrt(3)
-margins. Shrunk, it holds the points that are a margin deep.
+three edges). Grown by a margin, a shape's planes and walls move outwards by it, a frustum ends at
+its grown widest radius, and a box is that of the moved planes: no point of the grown shape is
+farther from the shape than sqrt(3) margins. Shrunk, it holds the points that are a margin deep.
 """
 
 from fractions import Fraction
@@ -118,59 +117,6 @@ def _capsule(numbers, margin, p, u):
     return low, high
 
 
-def _rounded(numbers, margin, p, u):
-    """Return where the distance from a disc is at most the corner's radius, by halving.
-
-    That distance is a convex function of t, so that two halvings find where it is least and on
-    either side of it the ends; each comparison is exact.
-    """
-    axis, radius, corner = numbers[3:6], numbers[6], numbers[7] + margin
-    if corner < 0:
-        return None
-    # Steps of t = k / 2^power so short that the point moves by less than a length's last bit.
-    power = max(abs(number) for number in u).bit_length() + 2
-    q = [number << power for number in _from(numbers[:3], p)]
-    radius, corner = radius << power, (corner << power) + (1 << BITS // 2 + power)
-    square, au, uu = _dot(axis, axis), _dot(axis, u), _dot(u, u)
-
-    def falling(k):
-        x = [here + k * step for here, step in zip(q, u, strict=True)]
-        ax, xu, xx = _dot(axis, x), _dot(x, u), _dot(x, x)
-        rho2 = xx * square - ax * ax  # times the axis' square
-        if rho2 <= radius * radius * square:
-            return ax * au < 0
-        # (1 - radius / rho) flat.u + height u_height < 0, times rho and the axis' square
-        left, right = xu * square, radius * (xu * square - ax * au)
-        if (left < 0) != (right < 0):
-            return left < 0
-        less = left * left * rho2 < right * right * square
-        return less if left >= 0 else not less and left * left * rho2 != right * right * square
-
-    def outside(k):
-        x = [here + k * step for here, step in zip(q, u, strict=True)]
-        ax, xx = _dot(axis, x), _dot(x, x)
-        rho2 = xx * square - ax * ax
-        if rho2 <= radius * radius * square:
-            return ax * ax > corner * corner * square
-        excess = xx + radius * radius - corner * corner
-        return excess > 0 and excess * excess * square > 4 * radius * radius * rho2
-
-    def halved(before, low, high):
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (middle, high) if before(middle) else (low, middle)
-        return low, high
-
-    middle = -_dot(q, u) // uu
-    reach = 4 * (radius + corner) // isqrt(uu) + 4
-    least = [k for k in halved(falling, middle - reach, middle + reach) if not outside(k)]
-    if not least:
-        return None
-    _, enter = halved(outside, middle - reach, least[0])
-    leave, _ = halved(lambda k: not outside(k), least[0], middle + reach)
-    return (enter, 1 << power), (leave, 1 << power)
-
-
 def _box(numbers, margin, p, u):
     q = _from(numbers[0:3], p)
     edges = [numbers[3:6], numbers[6:9], numbers[9:12]]
@@ -185,8 +131,7 @@ def _box(numbers, margin, p, u):
     return _common(parts)
 
 
-SHAPES = {"rod": _frustum, "capsule": _capsule, "frustum": _frustum, "box": _box,
-          "rounded": _rounded}  # fmt: skip
+SHAPES = {"rod": _frustum, "capsule": _capsule, "frustum": _frustum, "box": _box}
 
 
 def rod_rows(a, b, radius):
@@ -226,8 +171,6 @@ def size_of(kind, shapes, u):
     """Return the size (n,) by which the promise counts: what a line sees of each shape, in m."""
     if kind == "box":
         return np.linalg.norm(shapes[:, 3:], axis=-1)
-    if kind == "rounded":
-        return shapes[:, 6] + shapes[:, 7]
     v = shapes[:, 3:6] - shapes[:, :3]
     unit = u / np.linalg.norm(u / np.abs(u).max(axis=-1, keepdims=True), axis=-1, keepdims=True)
     unit /= np.abs(u).max(axis=-1, keepdims=True)
@@ -236,7 +179,7 @@ def size_of(kind, shapes, u):
 
 def full_size(kind, shapes):
     """Return the size (n,) of shapes as seen from everywhere, in m."""
-    if kind in ("box", "rounded"):
+    if kind == "box":
         return size_of(kind, shapes, None)
     return shapes[:, 6:8].max(axis=-1) + np.linalg.norm(shapes[:, 3:6] - shapes[:, :3], axis=-1)
 

@@ -123,10 +123,10 @@ def draw_gap(ax, tori, p, q):
     for torus, marker in zip(tori, cycle("^ox"), strict=False):
         way = CHORD_PATHS["projected chord"](torus, p, q, t)
         off = geodesic_inverse(torus, p, q).points(513).deviation(way)
-        label = f"R/r = {torus.R / torus.r:.3g}"
+        label = f"$R/r$ = {torus.R / torus.r:.3g}"
         look = {"ls": "", "marker": marker, "ms": 4, "color": "0.45"}
         ax.plot(np.degrees(turned), off / torus.r, **look, label=label)
-    ax.set(xlabel="angle between the normals / deg", ylabel="beside the geodesic / r")
+    ax.set(xlabel=r"angle $s$ along the way / °", ylabel=r"gap $\delta$ beside the geodesic / $r$")
 
 
 def draw_ruling(ax, torus, y, z):

@@ -37,6 +37,8 @@ LOWEST = 3
 # Numbers that place something in a drawing, in points; a hundredth of one is 4 micrometres.
 PLACES = re.compile(r'\b[dxy]="[^"]*"|translate\([^)]*\)|<rect [^>]*>')
 FINE = re.compile(r"-?\d+\.\d{3,}")
+# Fonts for a page whose reader lacks a drawing's own.
+ALIKE = {"'DejaVu Sans'": "Verdana", "'STIXGeneral'": "'Times New Roman', serif"}
 # Names of clips, markers, hatches and clouds. matplotlib takes them from places in full, whose last
 # bits differ from run to run, since its solver of layouts adds in the order of memory.
 DIGESTS = re.compile(r'(?<=[#"])([phm]|image)[0-9a-f]{10}(?=[)"])')
@@ -286,7 +288,10 @@ def drawing_svg(figure):
     def named(digest):
         return names.setdefault(digest[0], f"{digest[1]}-{len(names)}")
 
-    return DIGESTS.sub(named, PLACES.sub(_rounded, content.getvalue())).encode()
+    text = content.getvalue()
+    for font, alike in ALIKE.items():
+        text = text.replace(font, f"{font}, {alike}")
+    return DIGESTS.sub(named, PLACES.sub(_rounded, text)).encode()
 
 
 def _rounded(places):

@@ -50,7 +50,7 @@ STYLE = {
     "ytick.labelsize": 8,
     # Not "cm": its letters aren't at their places of Unicode, so a search for a φ finds none.
     "mathtext.fontset": "stix",
-    "font.sans-serif": ["DejaVu Sans", "Verdana"],  # as wide, where a reader lacks the first
+    "font.sans-serif": ["DejaVu Sans"],
     "axes.linewidth": 0.6,
     "axes.spines.top": False,
     "axes.spines.right": False,

@@ -177,7 +177,7 @@ def add_front(site, chosen):
     form = ", or in the planner's form" if site.live else ""
     moved = "pictures to move and " if site.live else ""
     doors = [
-        ("Read", "report.html", "the article: what was claimed, and what came out"),
+        ("Read", "report.html", "the article: what was claimed, what came out, and the proofs"),
         ("Play", page_name(chosen[0]), f"chapters with one question each, {moved}scenes to turn"),
         ("Build", f"guide/{BUILD}.html", f"install it; plan a cut of your own in ten lines{form}"),
     ]

@@ -6,17 +6,24 @@ from html import escape
 
 import nbformat
 
+from report.lists import judged
 from report.site.chapter import page_name, title
 from report.site.machine import moving_machine
-from report.site.markup import attribute
+from report.site.markup import attribute, markdown
 from report.site.pictures import packed
 from report.site.publish import Unavailable
 from report.sources import INDEX, ROOT
 
 SENTENCE = (
-    "A robot reams old sewers with a ball-shaped cutter on two joints; this study repeats the "
-    "paper on how to steer it, judges its claims, and lets you try them yourself."
+    "Old sewers are repaired from within: a robot in the pipe mills a layer off its wall with a "
+    "ball of teeth on an arm. A paper says how to steer it. This study tests each of its claims by "
+    "a program, and lets you try them yourself."
 )
+# Where a visitor begins, by headings of the index.
+BEGIN = {
+    "where-to-begin": "Where to begin", "for-a-course": "Courses", "chapters": "What came out",
+    "words-of-the-trade": "Words of the trade",
+}  # fmt: skip
 WIDE = 300  # px, of a small picture
 
 
@@ -44,15 +51,16 @@ def front_page(chosen, doors):
         f'<li><a class="door" href="{address}"><b>{word}</b> {escape(what)}</a></li>'
         for word, address, what in doors
     )
+    index = page_name(ROOT / "notebooks" / f"{INDEX}.ipynb")
+    links = [f'<a href="{index}#{name}">{words}</a>' for name, words in BEGIN.items()]
     parts = [
         "<h1>The open tunneller study</h1>",
         f'<p class="lead">{SENTENCE}</p>',
+        markdown(judged(), lambda _: "supplement.html#verdicts"),
         f'<div class="moving">{moving_machine()}',
         '<button type="button" id="still" aria-pressed="false">Stop the motion</button></div>',
         f'<ul class="doors">{entries}</ul>',
-        f'<p><a href="{page_name(ROOT / "notebooks" / f"{INDEX}.ipynb")}">Where to begin, '
-        "courses, words of the trade, and what came out</a></p>"
-        if any(n.stem == INDEX for n in chosen) else "",
+        f"<p>{' · '.join(links)}</p>",
     ]  # fmt: skip
     for part in tomllib.loads((ROOT / "notebooks" / "contents.toml").read_text())["part"]:
         first, last = part["chapters"]

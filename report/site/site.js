@@ -155,7 +155,7 @@ function named([title, address], part, words) {
     const own = best(wordsOf(heading.split(".").pop()), part);
     // A method, or a module.
     if (heading.includes(".")) return own;
-    return 4 * own + (own && anchor && words[heading] ? 6 + Math.log2(words[heading].length) : 0);
+    return 4 * own + (own && anchor && words[heading] ? 6.5 + Math.log2(words[heading].length) : 0);
   }
   const chapter = file.startsWith("chapters/") && !titles.length && best(file.split(/[/_.]/), part);
   return 4 * best(wordsOf(heading), part) + best(wordsOf(titles.join(" ")), part) + 5 * chapter;

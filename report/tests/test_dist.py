@@ -6,9 +6,9 @@ import zipfile
 
 import tunneller_lib
 from report import dist
-from report.sources import ROOT
+from report.sources import ROOT, code, notebooks
 
-READS = ["CITATION.cff", "LICENSE", "report/live/live.css"]
+READS = ["CITATION.cff", "LICENSE", "notebooks/*", "report/live/live.css", "report/numbers/*"]
 
 
 def test_archive_has_the_same_bytes_whenever_its_files_were_written(tmp_path):
@@ -25,6 +25,22 @@ def test_archive_has_the_same_bytes_whenever_its_files_were_written(tmp_path):
     assert (file.parent / "study.zip.sha256").read_text() == f"{digest}  study.zip\n"
     with zipfile.ZipFile(file.parent / "study.zip") as archive:
         assert archive.namelist() == ["study/LICENSE", "study/pages/page.html"]
+
+
+def test_archive_has_what_chapters_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(dist, "LIVE", tmp_path)
+    (tmp_path / "notebooks").mkdir()
+    (tmp_path / "notebooks" / "00_index.ipynb").touch()
+    files = dist.chapters()
+    for name in ("00_index.ipynb", "contents.toml", "reference.toml", "kit/record.py"):
+        assert f"notebooks/{name}" in files
+    assert "report/numbers/42_budget.json" in files and all(p.is_file() for p in files.values())
+    read = {
+        name
+        for notebook in notebooks()
+        for name in re.findall(r"\.\./(tests/[\w./]+\w)", code(notebook))
+    }
+    assert read and read <= set(files)
 
 
 def test_the_version_is_one_in_the_library_and_in_the_citation():

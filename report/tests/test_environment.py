@@ -77,23 +77,3 @@ def test_environment_behind_a_link_is_never_emptied(installed, capsys):
         environment.install()
     assert record.exists()
     assert "link is a link to another environment" in capsys.readouterr().err
-
-
-def test_jupyterlab_asks_no_new_user_for_news(tmp_path):
-    settings = pytest.importorskip(
-        "jupyterlab_server.settings_handler", reason="JupyterLab is in the study's environment only"
-    )
-    lab = Path(sys.prefix) / "share" / "jupyter" / "lab"
-    if not lab.is_dir():
-        pytest.skip("JupyterLab is in the study's environment only")
-    found, _ = settings.get_settings(
-        app_settings_dir=str(lab / "settings"),
-        schemas_dir=str(lab / "schemas"),
-        settings_dir=str(tmp_path),  # of somebody who never changed any
-        schema_name="@jupyterlab/apputils-extension:notification",
-    )
-    usual = {name: about["default"] for name, about in found["schema"]["properties"].items()}
-    # "none" asks on the first start whether news may be fetched.
-    assert usual["fetchNews"] == "false"
-    assert usual["checkForUpdates"] is False
-    assert usual["doNotDisturbMode"] is False  # our own notices are still seen

@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import pytest
 
@@ -12,8 +13,8 @@ from report.sources import ROOT
 from tests.bench import times
 
 READS = [
-    "README.md", "Makefile", "notebooks/*.toml", "report/guide/*", "report/ledger/*",
-    "report/numbers/*", "tests/bench/times.*",
+    "README.md", "CONTRIBUTING.md", "Makefile", "notebooks/*.toml", "report/guide/*",
+    "report/ledger/*", "report/numbers/*", "tests/bench/times.*",
 ]  # fmt: skip
 
 README = ROOT / "README.md"
@@ -44,12 +45,26 @@ def test_make_knows_the_targets(command):
     assert tried.returncode == 0
 
 
-@pytest.mark.parametrize("command", [c for c in COMMANDS if "tunneller" in c and " cut " in c])
-def test_programs_are_called_rightly(command):
-    _, *rest = shlex.split(command.replace("-m tunneller_lib", ""))
-    command = [sys.executable, "-m", "tunneller_lib", *rest, "--help"]  # test_command runs it
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0 and done.stdout, done.stderr
+def test_programs_run_as_printed(tmp_path):
+    printed = [c for c in COMMANDS if re.match(r"\S*tunneller |\S*python -m tunneller_lib ", c)]
+    assert len(printed) >= 5
+    for command in printed:
+        _, rest = re.split(r"tunneller(?:_lib)? ", command, maxsplit=1)
+        call, _, file = rest.partition(" > ")
+        dry = ["--dry-run"] if call.startswith("cut") else []  # test_command runs it to its end
+        told = [sys.executable, "-m", "tunneller_lib", *shlex.split(call), *dry]
+        done = subprocess.run(told, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0 and done.stdout, done.stderr
+        if file:
+            (tmp_path / file).write_text(done.stdout)
+
+
+def test_modules_and_targets_that_are_told_of_are_there():
+    text = f"{ALL}\n{(ROOT / 'CONTRIBUTING.md').read_text(encoding='utf-8')}"
+    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M))
+    assert set(re.findall(r"`make (?:[A-Z]+=\S+ )?(\w+)", text)) <= targets
+    for name in re.findall(r"python -m ((?:report|tests)[\w.]*)", text):
+        assert find_spec(name), name
 
 
 def test_the_test_to_try_is_there():

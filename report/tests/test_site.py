@@ -15,6 +15,7 @@ import PIL.Image
 import pytest
 from fontTools.ttLib import TTFont
 
+from report.lists import judged
 from report.live.build import LivePages
 from report.site import build as pages
 from report.site import machine, paper
@@ -35,6 +36,8 @@ READS = [
     "report/*.json",
     "report/*.pdf",
     "report/*.toml",
+    "report/guide/*",
+    "report/ledger/*",
     "report/lib.typ",
     "report/page.typ",
     "report/results.typ",
@@ -142,6 +145,16 @@ def test_search_finds_tests_and_equations_by_name(site, index):
     assert numbered[0].startswith("Supplement · ") and "ruling" in numbered[0]
 
 
+def test_words_of_the_trade_are_found_and_in_reach_of_every_page(site, index):
+    for word, place in (("springing", "supplement.html#glossary"),
+                        ("jacobian", "chapters/00_index.html#words-of-the-trade")):  # fmt: skip
+        assert place in [index["sections"][n][1] for n in index["words"][word]]
+    front = (site / "index.html").read_text()
+    assert 'href="supplement.html#glossary">Words<' in front
+    assert "chapters/00_index.html#words-of-the-trade" in front
+    assert plain(markdown(judged())) in plain(front)
+
+
 def test_pages_have_headings_in_steps_and_buttons_that_differ(site):
     for path in site.rglob("*.html"):
         levels = [int(level) for level in re.findall(r"<h(\d)", path.read_text())]
@@ -158,6 +171,7 @@ def test_first_page_moves_and_leads_to_every_chapter(site):
         assert card in text and (site / f"thumbnails/{notebook.stem}.webp").stat().st_size < 30e3
     doors = re.findall(r'<a class="door" href="([^"]+)"><b>(\w+)', text)
     assert [word for _, word in doors] == ["Read", "Play", "Build"]
+    assert "plan(cutting_circuit" in plain((site / doors[-1][0]).read_text())
 
 
 def test_moving_machine_follows_the_circuit_on_its_arm():

@@ -52,13 +52,6 @@ def test_what_is_read(source, expected):
         assert value(source) == expected
 
 
-def test_functions_are_said_beforehand():
-    assert value("G(2 k)", functions=("G",)) == "G(2*k)"
-    with pytest.raises(UnknownMath, match=r"G\(: a function or a product"):
-        value("G(2 k)")
-    assert value("G (2 k)") == "2*G*k"
-
-
 def test_statements_and_words():
     display = parse('a &= b <= 2, quad \\ c &= 1 quad "or" quad s r equiv k space (mod N) .')
     assert [statement.relations for statement in display.statements] == [

@@ -5,8 +5,8 @@ the best of several rounds in which both sides take turns. The meshes have 64 si
 answers line by line; embree, called by its own interface, is asked for the entry alone, in single
 precision, where the library finds entry and exit in double; open3d finds both, in single precision.
 
-The same lines are met in C, too, as a bound: bounds/rod.c and frustum.c, without fast-math, do the
-quick formulas alone and check nothing. What they are sure of must have the library's bits.
+The same lines are met in C, too, as a bound: bounds/rod.c, without fast-math, does the quick
+formulas alone and check nothing. What they are sure of must have the library's bits.
 """
 
 import ctypes
@@ -19,7 +19,7 @@ import pyvista
 from exhibits.rod_methods import METHODS
 from tests.bench.conftest import best_times
 from tunneller_lib.kernels import compiled
-from tunneller_lib.surfaces import Box, Frustum, Rod, RoundedDisc
+from tunneller_lib.surfaces import Box, Frustum, Rod
 
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)
 LINES = 500_000
@@ -140,11 +140,10 @@ def bound(library, shape, radii):
 
 
 @pytest.mark.parametrize("way", ["whole rows", "compiled"])
-@pytest.mark.parametrize("name", ["rod", "frustum"])
 @pytest.mark.parametrize("count", [1, 1000, 1_000_000])
-def test_any_lines_against_c(benchmark, say, note, bound_in_c, either_way, name, count, way):
-    shape = ROD if name == "rod" else Frustum(ROD.a, ROD.b, 25, 10)
-    meet = bound(bound_in_c(name), shape, [25, 25 if name == "rod" else 10])
+def test_any_lines_against_c(benchmark, say, note, bound_in_c, either_way, count, way):
+    shape = ROD
+    meet = bound(bound_in_c("rod"), shape, [25, 25])
     # The first of all is nearly parallel to the axis, which C leaves undecided.
     points, directions = np.resize(POINTS[1:], (count, 3)), np.resize(SLANTED[1:], (count, 3))
     few = max(1000 // count, 1)  # of calls that are timed together
@@ -160,24 +159,23 @@ def test_any_lines_against_c(benchmark, say, note, bound_in_c, either_way, name,
     np.testing.assert_array_equal(
         np.array(shape.meet_line(points, directions))[:, decided], [enter[decided], leave[decided]]
     )
-    about = f"{count} lines against a {name}, {way}"
+    about = f"{count} lines against a rod, {way}"
     say(f"{about}, ns a line", 1e9 * ours / few / count)
     say(f"{about}, time over that of C, all sure answers the same to the last bit", ours / limit)
     note(
-        f"any lines against a {name}, {way}", "line", count, ours / few / count,
+        f"any lines against a rod, {way}", "line", count, ours / few / count,
         bound_s=limit / few / count, criterion="the same bits where C is sure",
     )  # fmt: skip
 
 
 @pytest.mark.parametrize("package", ["open3d"])
 @pytest.mark.parametrize("way", ["whole rows", "compiled"])
-@pytest.mark.parametrize("end", [25, 10], ids=["rod", "frustum"])
 @pytest.mark.parametrize("points", [POINTS, CLOSE], ids=["all about", "close"])
-def test_any_lines_against_open3d(installed, benchmark, say, either_way, points, end, way):
+def test_any_lines_against_open3d(installed, benchmark, say, either_way, points, way):
     # Both find where each line enters and leaves, with one thread: in double precision against the
     # exact shape, and in single precision against 64 sides, by open3d's own call for all hits.
-    shape = ROD if end == 25 else Frustum(ROD.a, ROD.b, 25, end)
-    vertices, faces = mesh(25, end)
+    shape = ROD
+    vertices, faces = mesh()
     tensor = installed.core.Tensor
     scene = installed.t.geometry.RaycastingScene(nthreads=1)
     scene.add_triangles(tensor(vertices.astype(np.float32)), tensor(faces.astype(np.uint32)))
@@ -211,7 +209,6 @@ SOLIDS = {
     "capsule": Rod(ROD.a, ROD.b, 25, ends="round"),
     "frustum": Frustum(ROD.a, ROD.b, 25, 10),
     "box": Box((-20, -15, 0), (40, 0, 0), (0, 30, 0), (0, 0, 50)),
-    "rounded disc": RoundedDisc(ROD.a, ROD.axis, 20, 5),
 }
 DIRECTIONS = {
     "any": (0.1, 0.2, 1.0),

@@ -96,9 +96,26 @@ class Browser:
     def open(self, address):
         """Go to an address and wait until it is there."""
         self.errors.clear()
+        self.requests.clear()
         self.send("Page.navigate", url=address)
         self.until(f"location.href.split('#')[0] === {json.dumps(address.split('#')[0])} "
                    "&& document.readyState === 'complete'")  # fmt: skip
+
+    def screen(self, width, height=800, scheme="light"):
+        """Have a screen of this size, of a hand-held below 500 px; `plain_screen` takes it back."""
+        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                  deviceScaleFactor=1, mobile=width < 500)  # fmt: skip
+        wanted = {"name": "prefers-color-scheme", "value": scheme}
+        self.send("Emulation.setEmulatedMedia", features=[wanted])
+
+    def plain_screen(self):
+        self.send("Emulation.clearDeviceMetricsOverride")
+        self.send("Emulation.setEmulatedMedia", features=[])
+
+    @property
+    def outside(self):
+        """What the page asked for that is no file of the disk."""
+        return [r for r in self.requests if not r.startswith(("file:", "data:", "blob:"))]
 
     def run(self, script):
         """Return the value of an expression, of what it promises if it does."""

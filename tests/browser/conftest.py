@@ -26,6 +26,13 @@ def browser(tmp_path_factory):
     opened.close()
 
 
+@pytest.fixture
+def screen(browser):
+    """Return what gives the browser another screen, for one test."""
+    yield browser.screen
+    browser.plain_screen()
+
+
 @pytest.fixture(scope="module")
 def fox(tmp_path_factory):
     if firefox.found() is None:

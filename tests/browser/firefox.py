@@ -52,6 +52,7 @@ class Firefox(Browser):
     def open(self, address):
         """Go to an address and wait until it is there."""
         self.errors.clear()
+        self.requests.clear()
         self.send("browsingContext.navigate", context=self.page, url=address, wait="complete")
 
     def run(self, script):

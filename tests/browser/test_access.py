@@ -35,35 +35,20 @@ def known():
     return set()
 
 
-@pytest.fixture
-def screen(browser):
-    """Return what makes the browser's screen another."""
-
-    def change(width, scheme):
-        browser.send("Emulation.setDeviceMetricsOverride", width=width, height=900,
-                     deviceScaleFactor=1, mobile=width < WIDE)  # fmt: skip
-        browser.send("Emulation.setEmulatedMedia",
-                     features=[{"name": "prefers-color-scheme", "value": scheme}])  # fmt: skip
-
-    yield change
-    browser.send("Emulation.setEmulatedMedia", features=[])
-    browser.send("Emulation.clearDeviceMetricsOverride")
-
-
 def test_pages_are_there():
     assert len(PAGES) > 100, "`make live` makes them"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(LIVE)))
 def test_page_keeps_nobody_out_and_fits_small_screens(browser, script, screen, known, page):
-    screen(WIDE, "light")
+    screen(WIDE)
     browser.open(page.as_uri())
     kinds = set(browser.run(KINDS))
     new = not kinds <= known
     known |= kinds
     assert axe.violations(browser, script, colours=new) == []
     for width in (TABLET, NARROW):
-        screen(width, "dark")
+        screen(width, scheme="dark")
         assert browser.run("document.documentElement.scrollWidth") <= width
     if new:
         assert axe.violations(browser, script) == []
@@ -81,11 +66,11 @@ USED = [
 
 @pytest.mark.parametrize(("address", "clicked", "there"), USED, ids=lambda value: value)
 def test_page_in_use_keeps_nobody_out(browser, script, screen, address, clicked, there):
-    screen(WIDE, "light")
+    screen(WIDE)
     browser.open((LIVE / address).as_uri())
     browser.run(f"document.querySelector('{clicked}').click()")
     browser.until(f"!!document.querySelector('{there}')", 300)
     assert axe.violations(browser, script) == []
-    screen(NARROW, "dark")
+    screen(NARROW, scheme="dark")
     assert browser.run("document.documentElement.scrollWidth") <= NARROW
     assert axe.violations(browser, script) == []

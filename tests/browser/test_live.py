@@ -28,13 +28,8 @@ def chapters():
     return [page for page in pages if page.stem in RUNS and "data-program" in page.read_text()]
 
 
-def elsewhere(browser):
-    return [r for r in browser.requests if not r.startswith(("file:", "data:", "blob:"))]
-
-
 def start(browser, page):
     """Open a page and load Python into it; return the seconds that it took."""
-    browser.requests.clear()
     browser.open(page.as_uri())
     browser.run(f"{BOX}.querySelector('button').click()")
     return browser.until(f"+{BOX}.dataset.ready", 120) / 1000
@@ -55,7 +50,6 @@ def server():
 
 
 def test_slider_moves_a_picture_from_a_server(browser, server):
-    browser.requests.clear()
     browser.open(f"{server}chapters/02_torus.html")
     browser.run(f"{BOX}.querySelector('button').click()")
     browser.until(f"+{BOX}.dataset.ready", 120)
@@ -64,7 +58,7 @@ def test_slider_moves_a_picture_from_a_server(browser, server):
     wait(lambda: browser.run(f"{BOX}.dataset.drawn > {drawn}"), said="another drawing")
     assert (browser.picture(PICTURE) != before).mean() > 1e-4
     assert browser.errors == []
-    assert [r for r in elsewhere(browser) if not r.startswith(server)] == []
+    assert [r for r in browser.outside if not r.startswith(server)] == []
 
 
 def test_pages_that_run_are_there():
@@ -85,7 +79,7 @@ def test_slider_moves_a_picture_at_once(browser, page):
     cores, load = os.cpu_count(), os.getloadavg()[0]
     print(f"\n{page.stem}: ready after {ready:.1f} s, {usual:.0f} ms in the median, "
           f"on {cores} cores with a load of {load:.1f}")  # fmt: skip
-    assert browser.errors == [] and elsewhere(browser) == []
+    assert browser.errors == [] and browser.outside == []
     assert ready < 20 and usual < 300
 
 
@@ -107,7 +101,6 @@ def moved_all(browser, page):
 
     The median is of the time in ms that processors work for a moved slider.
     """
-    browser.requests.clear()
     browser.open(page.as_uri())
     taken, worked = [], []
     for number in range(browser.run("document.querySelectorAll('[data-program]').length")):
@@ -132,7 +125,7 @@ def moved_all(browser, page):
                 words.add(browser.run(f"{picture}.alt"))
             assert len(words) > 1, "the picture says where its sliders stand"
         assert browser.run(f"{box}.querySelector('[role=status]').textContent") == ""
-    assert browser.errors == [] and elsewhere(browser) == []
+    assert browser.errors == [] and browser.outside == []
     said = (
         f"{len(taken)} moves, {median(taken):.0f} ms in the median, {max(taken):.0f} at worst, "
         f"of processors {median(worked):.0f}, at a load of {os.getloadavg()[0]:.1f}"
@@ -152,14 +145,13 @@ def digits_apart(text, page):
 
 @pytest.mark.parametrize("page", WITH_EXERCISES, ids=lambda page: page.stem)
 def test_exercises_print_what_the_notebook_stored(browser, page):
-    browser.requests.clear()
     browser.open(page.as_uri())
     count = browser.run("document.querySelectorAll('[data-exercise]').length")
     for number in range(count):
         box = f"document.querySelectorAll('[data-exercise]')[{number}]"
         stored = browser.run(f"{box}.parentElement.querySelector('pre.output').textContent")
         assert digits_apart(tried(browser, box), page) == digits_apart(stored, page)
-    assert browser.errors == [] and elsewhere(browser) == []
+    assert browser.errors == [] and browser.outside == []
 
 
 def tried(browser, box, code=None):
@@ -195,7 +187,7 @@ def test_exercise_takes_what_the_reader_writes_and_says_what_is_wrong(request, k
 def test_slider_moves_a_picture_in_firefox(fox):
     fox.open("about:blank")
     fox.run("fetch('http://127.0.0.1:5999/', { mode: 'no-cors' }).catch(() => 0)")
-    assert elsewhere(fox) == ["http://127.0.0.1:5999/"], "what is asked for is noted"
+    assert fox.outside == ["http://127.0.0.1:5999/"], "what is asked for is noted"
     ready = start(fox, next(page for page in chapters() if page.stem == "02_torus"))
     before = fox.picture(PICTURE)
     fox.run(MOVE.format(BOX, 0.7))
@@ -203,7 +195,7 @@ def test_slider_moves_a_picture_in_firefox(fox):
     assert (fox.picture(PICTURE) != before).mean() > 1e-4
     moment, load = fox.run(f"{BOX}.dataset.moment"), os.getloadavg()[0]
     print(f"\nFirefox: ready after {ready:.1f} s, {moment} ms, at a load of {load:.1f}")
-    assert fox.errors == [] and elsewhere(fox) == []
+    assert fox.errors == [] and fox.outside == []
 
 
 def test_scene_that_firefox_cannot_draw_is_said_and_its_picture_stays(fox):

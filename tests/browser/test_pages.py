@@ -17,9 +17,19 @@ CHAPTERS = [page for page in PAGES if page.parent.name == "chapters"]
 WITH_SCENES = [page for page in PAGES if 'class="scene"' in page.read_text()]
 
 
-def elsewhere(browser):
-    """Return the requests that left the file system."""
-    return [r for r in browser.requests if not r.startswith(("file:", "data:", "blob:"))]
+def turn(browser, page):
+    """Open a page and its first scene; return the script that gives the scene, drawn."""
+    browser.open(page.as_uri())
+    browser.run("document.querySelector('.scene button').click()")
+    browser.until("!!document.querySelector('.stage canvas')")
+    stage = "document.querySelector('.stage')"
+    wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
+    time.sleep(1)
+    return stage
+
+
+def chapter(name):
+    return next(page for page in CHAPTERS if page.stem == name)
 
 
 def test_pages_are_there():
@@ -27,43 +37,32 @@ def test_pages_are_there():
 
 
 def test_every_page_is_quiet_and_every_link_leads_to_one(browser):
-    browser.requests.clear()
     opened, linked = set(), set()
     for page in PAGES:
         browser.open(page.as_uri())
         for image in ("i.loading = 'eager'", "i.decode()"):
             browser.run(f"Promise.all([...document.images].map((i) => {image})).then(() => true)")
-        assert browser.errors == [], page
+        assert browser.errors == browser.outside == [], page
         opened.add(page.as_uri())
         links = browser.run("[...document.links].map((link) => link.href)")
         linked |= {link.split("#")[0] for link in links if link.startswith("file:")}
     files = {link for link in linked if not link.endswith(".html")}
     assert linked - files == opened, "a page that nothing leads to, or a link that leads nowhere"
-    assert elsewhere(browser) == []
 
 
 @pytest.mark.parametrize("page", WITH_SCENES, ids=lambda page: page.stem)
 def test_scene_is_turned(browser, page):
-    browser.requests.clear()
-    browser.open(page.as_uri())
-    browser.run("document.querySelector('.scene button').click()")
-    browser.until("!!document.querySelector('.stage canvas')")
-    stage = "document.querySelector('.stage')"
-    wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
-    time.sleep(1)
+    stage = turn(browser, page)
     before = browser.picture(stage)
     browser.drag(stage, 150, 60)
     wait(lambda: (browser.picture(stage) != before).mean() > 0.01, said="another one")
-    assert browser.errors == [] and elsewhere(browser) == []
+    assert browser.errors == [] and browser.outside == []
 
 
-def test_scene_stands_in_its_pictures_place_and_leaves_the_wheel_to_the_page(browser):
-    page = next(page for page in WITH_SCENES if page.stem == "02_torus")
-    browser.send("Emulation.setDeviceMetricsOverride", width=390, height=900, deviceScaleFactor=1,
-                 mobile=True)  # fmt: skip
-    browser.open(page.as_uri())
-    browser.run("document.querySelector('.scene button').click()")
-    browser.until("!!document.querySelector('figure > .stage canvas')")
+def test_scene_stands_in_its_pictures_place_and_leaves_the_wheel_to_the_page(browser, screen):
+    screen(390, 900)
+    turn(browser, chapter("02_torus"))
+    assert browser.run("!!document.querySelector('figure > .stage')")
     box = browser.run("document.querySelector('.stage').getBoundingClientRect().toJSON()")
     assert box["left"] >= 0 and box["right"] <= 390
     turned = "document.querySelector('.stage canvas').dispatchEvent(new WheelEvent('wheel', {}))"
@@ -72,7 +71,6 @@ def test_scene_stands_in_its_pictures_place_and_leaves_the_wheel_to_the_page(bro
         assert browser.run(turned.replace("{}", event)) is left
     names = "[...document.querySelectorAll('.scene p button')].map((b) => b.ariaLabel)"
     assert len(set(browser.run(names))) == 6
-    browser.send("Emulation.clearDeviceMetricsOverride")
     assert browser.errors == []
 
 
@@ -95,7 +93,7 @@ SLOW = """(() => {
 
 
 def test_slow_scene_turns_as_far_as_the_hand_goes_and_the_wheel_scrolls_the_page(browser):
-    browser.open(next(page for page in WITH_SCENES if page.stem == "02_torus").as_uri())
+    browser.open(chapter("02_torus").as_uri())
     browser.run(SLOW)
     browser.run("document.querySelector('.scene button').click()")
     browser.until("!!document.querySelector('.stage canvas')")
@@ -183,9 +181,8 @@ def test_equation_as_printed_is_shown_by_mouse_and_keys(browser):
     browser.until(f"!{PRINTED}.open")
 
 
-def test_equation_as_printed_is_shown_by_a_finger(browser):
-    browser.send("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1,
-                 mobile=True)  # fmt: skip
+def test_equation_as_printed_is_shown_by_a_finger(browser, screen):
+    screen(390, 800)
     browser.send("Emulation.setTouchEmulationEnabled", enabled=True)
     try:
         browser.open((SITE / "supplement.html").as_uri())
@@ -206,13 +203,11 @@ def test_equation_as_printed_is_shown_by_a_finger(browser):
                 assert ends["left"] >= 0 and ends["right"] <= 390
     finally:
         browser.send("Emulation.setTouchEmulationEnabled", enabled=False)
-        browser.send("Emulation.clearDeviceMetricsOverride")
 
 
 @pytest.mark.parametrize("name", ["report", "supplement", "chapters/42_budget"])
-def test_tables_on_a_phone_show_that_they_scroll(browser, name):
-    browser.send("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1,
-                 mobile=True)  # fmt: skip
+def test_tables_on_a_phone_show_that_they_scroll(browser, screen, name):
+    screen(390, 800)
     browser.open((SITE / f"{name}.html").as_uri())
     browser.run("new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
     tables = browser.run(
@@ -220,7 +215,6 @@ def test_tables_on_a_phone_show_that_they_scroll(browser, name):
         "[table.scrollWidth > table.clientWidth, getComputedStyle(table, '::before').content,"
         "table.tabIndex])"
     )
-    browser.send("Emulation.clearDeviceMetricsOverride")
     assert any(wide for wide, _, _ in tables)
     for wide, said, reached in tables:
         assert ("scrolls sideways" in said) == wide == (reached == 0)
@@ -256,12 +250,8 @@ def test_first_page_s_machine_moves_until_it_is_stopped(browser):
 
 
 def test_scene_is_turned_by_keyboard(browser):
-    browser.open(WITH_SCENES[0].as_uri())
-    browser.run("document.querySelector('.scene button').click()")
-    browser.until("document.activeElement.className === 'stage'")
-    stage = "document.activeElement"
-    wait(lambda: browser.picture(stage).std() > 3, said="a picture of the scene")
-    time.sleep(1)
+    stage = turn(browser, WITH_SCENES[0])
+    assert browser.run(f"document.activeElement === {stage}")
     for key, code in (("ArrowLeft", 37), ("ArrowUp", 38), ("+", 187)):
         before = browser.picture(stage)
         browser.press(key, code)
@@ -312,25 +302,22 @@ def test_code_stays_hidden_but_where_a_link_leads(browser):
     assert browser.run(seen.format(1)) == "block"
 
 
-def test_dark_is_what_the_system_asks_until_a_button_says_otherwise(browser):
+def test_dark_is_what_the_system_asks_until_a_button_says_otherwise(browser, screen):
     dark = "getComputedStyle(document.body).backgroundColor !== 'rgb(255, 255, 255)'"
     try:
         for page, asked in zip(CHAPTERS, ("dark", "light", "dark"), strict=False):
-            features = [{"name": "prefers-color-scheme", "value": asked}]
-            browser.send("Emulation.setEmulatedMedia", features=features)
+            screen(1300, scheme=asked)
             browser.open(page.as_uri())
             assert browser.run(dark) == (page == CHAPTERS[0])
             browser.run("kept.scheme || document.getElementById('scheme').click()")
             assert not browser.run(dark)
     finally:
         browser.run("kept.removeItem('scheme')")
-        browser.send("Emulation.setEmulatedMedia", features=[])
 
 
 @pytest.mark.parametrize("width", [390, 1400])
-def test_lists_stand_beside_the_text_or_fold_above_it(browser, width):
-    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=844,
-                 deviceScaleFactor=1, mobile=width < 500)  # fmt: skip
+def test_lists_stand_beside_the_text_or_fold_above_it(browser, screen, width):
+    screen(width, 844)
     browser.open(CHAPTERS[-1].as_uri())
     lists = "[...document.querySelectorAll('.contents details')]"
     assert browser.run(f"{lists}.map((one) => one.open)") == [width > 500] * 2
@@ -339,11 +326,10 @@ def test_lists_stand_beside_the_text_or_fold_above_it(browser, width):
         browser.press("Enter", 13)
     browser.until(f"{lists}[1].open && {lists}[1].querySelector('ul').scrollTop > 0")
     assert browser.run("document.querySelector('main').getBoundingClientRect().top") < 844
-    browser.send("Emulation.clearDeviceMetricsOverride")
 
 
 def test_code_is_copied_without_its_number(browser):
-    browser.open(next(page for page in CHAPTERS if page.stem == "02_torus").as_uri())
+    browser.open(chapter("02_torus").as_uri())
     browser.run("navigator.clipboard.writeText = async (text) => { window.taken = text; }")
     browser.run("document.querySelector('#cell-2 .copy').click()")
     browser.until("document.querySelector('#cell-2 .copy').textContent === 'Copied'")
@@ -351,9 +337,8 @@ def test_code_is_copied_without_its_number(browser):
 
 
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
-def test_first_picture_begins_in_the_first_screen(browser, width, height):
-    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
-                 deviceScaleFactor=1, mobile=width < 500)  # fmt: skip
+def test_first_picture_begins_in_the_first_screen(browser, screen, width, height):
+    screen(width, height)
     tops = {}
     for page in CHAPTERS:
         browser.open(page.as_uri())
@@ -361,13 +346,12 @@ def test_first_picture_begins_in_the_first_screen(browser, width, height):
         browser.until("!!document.querySelector('.cell img')")
         first = "document.querySelector('.cell img').getBoundingClientRect().top + scrollY"
         tops[page.stem] = round(browser.run(first))
-    browser.send("Emulation.clearDeviceMetricsOverride")
     print(f"{width} x {height}: first pictures begin {min(tops.values())} to {max(tops.values())}")
     assert {stem: top for stem, top in tops.items() if top >= height} == {}
 
 
 def test_folded_code_opens_by_a_click_and_where_a_link_leads(browser):
-    page = next(page for page in CHAPTERS if page.stem == "02_torus")
+    page = chapter("02_torus")
     browser.open(page.as_uri() + "#cell-2")
     folded = "document.querySelector('#cell-{} > details.source')"
     browser.run("document.getElementById('code').checked = true")
@@ -376,14 +360,12 @@ def test_folded_code_opens_by_a_click_and_where_a_link_leads(browser):
     assert browser.run(folded.format(1) + ".open")
 
 
-def test_anchors_are_seen_on_a_small_screen(browser):
-    browser.send("Emulation.setDeviceMetricsOverride", width=420, height=800, deviceScaleFactor=1,
-                 mobile=False)  # fmt: skip
+def test_anchors_are_seen_on_a_small_screen(browser, screen):
+    screen(420, 800)
     browser.open((SITE / "supplement.html").as_uri() + "#circuit")
     browser.until("Math.abs(document.getElementById('circuit').getBoundingClientRect().top) < 200")
     header = "document.querySelector('header').getBoundingClientRect().bottom"
     assert browser.run(f"{header} < document.getElementById('circuit').getBoundingClientRect().top")
-    browser.send("Emulation.clearDeviceMetricsOverride")
 
 
 def test_search_finds_names_and_equations(browser):
@@ -403,14 +385,12 @@ def test_search_ranks_and_forgives_a_letter(browser, text):
 
 
 @pytest.mark.parametrize("width", [320, 390, 768, 1366])
-def test_what_the_search_finds_is_seen_whole_on_any_screen(browser, width):
-    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1,
-                 mobile=False)  # fmt: skip
+def test_what_the_search_finds_is_seen_whole_on_any_screen(browser, screen, width):
+    screen(width, 800)
     browser.open((SITE / "index.html").as_uri())
     browser.run("(field.value = 'geodesic', answer().then(() => true))")
     box = browser.run("found.getBoundingClientRect().toJSON()")
     field = browser.run("field.getBoundingClientRect().toJSON()")
-    browser.send("Emulation.clearDeviceMetricsOverride")
     assert box["left"] >= 0 and box["right"] <= width and box["top"] >= field["bottom"]
     assert browser.run("document.querySelectorAll('#results a').length") == 30
     assert "the best 30 are shown" in browser.run("document.getElementById('count').textContent")

@@ -13,13 +13,12 @@ from tunneller_lib.surfaces import (
     Line,
     Machine,
     Rod,
-    RoundedDisc,
     Section,
     Torus,
 )
 from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
 from tunneller_lib.surfaces.section import Profile
-from tunneller_lib.surfaces.touching import Solid
+from tunneller_lib.surfaces.solid import Solid
 
 _ROD = Rod((0, 0, 0), (4, 0, 1), 1)
 _EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
@@ -36,7 +35,6 @@ INSTANCES = {
     Machine: REFERENCE_MACHINE,
     Profile: Egg(0.5).offset(0.1),
     Rod: _ROD,
-    RoundedDisc: RoundedDisc((0, 0, 0), (0, 0, 1), 1, 0.3),
     Section: Egg(0.5),
     Solid: _ROD,
     Torus: Torus(0.08, 0.8),
@@ -54,12 +52,10 @@ CALLS = {
     "Machine": {name: getattr(REFERENCE_MACHINE, name)
                 for name in REFERENCE_MACHINE.__dataclass_fields__},
     "Rod": {"b": (1.0, 2.0, 3.0)},
-    "RoundedDisc": {"axis": (0.0, 0.0, 1.0)},
     "Profile.offset": {"d": 0.1},
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
     "meet_box": {"solid": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
-    "meet_facets": {"solid": _ROD, "facets": [(0.0, 0, 0), (1, 0, 0), (0, 1, 0)]},
     "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip

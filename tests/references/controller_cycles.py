@@ -331,17 +331,8 @@ def measured(processor, run, unit):
                 if what == 10 and name != "projected chord":
                     continue
                 every = np.array(every) - empty
-                part = PARTS[what].format(name)
-                middle = int(np.median(every))
-                yield [
-                    processor,
-                    part,
-                    unit,
-                    len(every),
-                    int(every.min()),
-                    middle,
-                    int(every.max()),
-                ]
+                cost = every.min(), np.median(every), every.max()
+                yield [processor, PARTS[what].format(name), unit, len(every), *map(int, cost)]
 
 
 def rows():

@@ -30,15 +30,14 @@ function pose(ray) {
     const sum = add(add(edges[0], edges[1]), edges[2]);
     return { centre: add(s.slice(0, 3), scale(sum, 0.5)), axes, half };
   }
-  const rounded = ray.kind === "rounded";
-  const a = s.slice(0, 3), b = rounded ? a : s.slice(3, 6), v = rounded ? s.slice(3, 6) : add(b, scale(a, -1));
+  const a = s.slice(0, 3), b = s.slice(3, 6), v = add(b, scale(a, -1));
   const tall = length(v);
   let y = scale(v, 1 / tall);
   if (ray.kind === "frustum" && s[7] > s[6]) y = scale(y, -1); // the narrow end is on top
   const least = y.map(Math.abs).indexOf(Math.min(...y.map(Math.abs)));
   let x = cross(y, [0, 1, 2].map((i) => (i === least ? 1 : 0)));
   x = scale(x, 1 / length(x));
-  return { centre: scale(add(a, b), 0.5), axes: [x, y, cross(x, y)], half: [rounded ? 0 : tall / 2] };
+  return { centre: scale(add(a, b), 0.5), axes: [x, y, cross(x, y)], half: [tall / 2] };
 }
 
 function quaternion(axes) {
@@ -60,7 +59,6 @@ function withRapier(ray) {
   if (ray.kind === "box") shape = new Rapier.Cuboid(...half);
   else if (ray.kind === "rod") shape = new Rapier.Cylinder(half[0], wide);
   else if (ray.kind === "capsule") shape = new Rapier.Capsule(half[0], wide);
-  else if (ray.kind === "rounded") shape = new Rapier.RoundCylinder(0, ray.shape[6], ray.shape[7]);
   else if (other === 0) shape = new Rapier.Cone(half[0], wide);
   else return "none";
   const line = new Rapier.Ray(xyz(ray.origin), xyz(ray.direction));
@@ -69,7 +67,6 @@ function withRapier(ray) {
 }
 
 function withJolt(J, ray) {
-  if (ray.kind === "rounded") return "none";
   const { centre, axes, half } = pose(ray);
   const [wide, other] = [Math.max(ray.shape[6], ray.shape[7]), Math.min(ray.shape[6], ray.shape[7])];
   let settings;

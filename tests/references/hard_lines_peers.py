@@ -57,8 +57,6 @@ def ray_of(row):
     p, u = (np.array([float(row[v + axis]) for axis in "xyz"]) for v in "pu")
     if row["kind"] == "box":
         size = np.linalg.norm(shape[3:])
-    elif row["kind"] == "rounded":
-        size = shape[6] + shape[7]
     else:
         size = shape[6:8].max() + np.linalg.norm(shape[3:6] - shape[:3])
     scale, speed = 2.0 ** -np.frexp(size)[1], 2.0 ** -np.frexp(np.abs(u).max())[1]
@@ -109,14 +107,9 @@ def pose(ray):
         if np.linalg.det(turn) < 0:
             turn[:, 0] *= -1
         return shape[:3] + edges.sum(axis=0) / 2, turn, lengths / 2
-    if ray["kind"] == "rounded":
-        a = b = shape[:3]
-        z = shape[3:6] / np.linalg.norm(shape[3:6])
-        length = 2 * shape[7]
-    else:
-        a, b = shape[:3], shape[3:6]
-        length = np.linalg.norm(b - a)
-        z = (b - a) / length if length else np.array([0.0, 0, 1])
+    a, b = shape[:3], shape[3:6]
+    length = np.linalg.norm(b - a)
+    z = (b - a) / length if length else np.array([0.0, 0, 1])
     x = np.cross(z, np.eye(3)[np.argmin(np.abs(z))])
     x /= np.linalg.norm(x)
     return (a + b) / 2, np.stack([x, np.cross(z, x), z], axis=-1), np.array([length / 2])
@@ -132,9 +125,6 @@ def mesh(ray):
         return corners @ turn.T + centre, np.array(faces)
     start, end = ray["shape"][6:8]
     profile = [(start, -half[0]), (end, half[0])]  # radius, height
-    if ray["kind"] == "rounded":
-        angle = np.linspace(-np.pi / 2, np.pi / 2, SIDES // 2 + 1)
-        profile = [(start + end * np.cos(t), end * np.sin(t)) for t in angle]
     if ray["kind"] == "capsule":
         angle = np.linspace(0, np.pi / 2, SIDES // 4 + 1)[:-1]
         low = [(start * np.cos(t), -half[0] - start * np.sin(t)) for t in angle[::-1]]
@@ -178,7 +168,7 @@ def with_pybullet(rays):
 
     pybullet.connect(pybullet.DIRECT)
     for ray in rays:
-        if ray["kind"] in ("frustum", "rounded"):
+        if ray["kind"] == "frustum":
             yield "none"
             continue
         centre, turn, half = pose(ray)
@@ -331,7 +321,7 @@ def open_cascade_solid(ray):
 
 
 def open_cascade_profile(ray, centre, turn, half):
-    """Return half of the section of a capsule or a rounded disc, as a face of Open CASCADE."""
+    """Return half of the section of a capsule, as a face of Open CASCADE."""
     from OCP.BRepBuilderAPI import (
         BRepBuilderAPI_MakeEdge,
         BRepBuilderAPI_MakeFace,
@@ -343,23 +333,15 @@ def open_cascade_profile(ray, centre, turn, half):
     def at(radius, height):
         return gp_Pnt(*(centre + turn[:, 0] * radius + turn[:, 2] * height))
 
-    radius, corner = ray["shape"][6:8]
+    radius = ray["shape"][6]
     wire = BRepBuilderAPI_MakeWire()
-    if ray["kind"] == "capsule":
-        tall, diagonal = half[0], radius / np.sqrt(2)
-        pieces = [
-            [(0, -tall - radius), (diagonal, -tall - diagonal), (radius, -tall)],
-            [(radius, -tall), (radius, tall)],
-            [(radius, tall), (diagonal, tall + diagonal), (0, tall + radius)],
-            [(0, tall + radius), (0, -tall - radius)],
-        ]
-    else:
-        pieces = [
-            [(0, -corner), (radius, -corner)],
-            [(radius, -corner), (radius + corner, 0), (radius, corner)],
-            [(radius, corner), (0, corner)],
-            [(0, corner), (0, -corner)],
-        ]
+    tall, diagonal = half[0], radius / np.sqrt(2)
+    pieces = [
+        [(0, -tall - radius), (diagonal, -tall - diagonal), (radius, -tall)],
+        [(radius, -tall), (radius, tall)],
+        [(radius, tall), (diagonal, tall + diagonal), (0, tall + radius)],
+        [(0, tall + radius), (0, -tall - radius)],
+    ]
     for piece in pieces:
         if piece[0] == piece[-1]:
             continue
@@ -400,8 +382,8 @@ def run_python(folder):
 
 def verdict(ray, found, precision):
     """Return how an answer is wrong, "touch", "touch lost", or "" where there is nothing to say."""
-    # Boxes and rounded discs have one place, the others two ends.
-    shape = np.array(ray["shape"][: 3 if ray["kind"] in ("box", "rounded") else 6])
+    # A box has one place, the others two ends.
+    shape = np.array(ray["shape"][: 3 if ray["kind"] == "box" else 6])
     place = max(np.abs(shape).max(), np.abs(ray["origin"]).max())
     slack = 64 * precision * (ray["size"] + place) if precision else 0.005 * ray["size"]
     if abs(ray["depth"]) <= slack:

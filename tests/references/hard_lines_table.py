@@ -30,12 +30,10 @@ SINGLE = 2.0**-23
 def size_of(kind, shape):
     """Return the size of a shape (12,), in m.
 
-    The wider radius and the length, a box's diagonal, or a rounded disc's greatest radius.
+    The wider radius and the length, or a box's diagonal.
     """
     if kind == "box":
         return float(np.linalg.norm(shape[3:]))
-    if kind == "rounded":
-        return float(shape[6] + shape[7])
     return float(max(shape[6:8]) + np.linalg.norm(shape[3:6] - shape[:3]))
 
 

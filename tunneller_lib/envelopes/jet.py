@@ -252,6 +252,7 @@ def _subtract(a, b):
 
 
 def _multiply(a, b):
+    """Return a product, of two jets by Cauchy's rule to the lower of their orders."""
     if not isinstance(b, Jet):
         return Jet(_widened(a.c, np.ndim(b)) * b)
     if not isinstance(a, Jet):
@@ -279,6 +280,7 @@ def _divide(a, b):
 
 
 def _power(a, p):
+    """Return a power whose base or exponent is a jet, or both."""
     if isinstance(p, Jet):
         return np.exp(p * np.log(a))
     if np.ndim(p) == 0 and 0 <= p == int(p):  # whole powers are smooth at zero, too

@@ -342,8 +342,8 @@ def searched(kind, f, runs, window, size):
     """Return the evidence for each size that one point allows, and the size found.
 
     The point that knows its own sizes best names the candidates. For each, every point's nearest
-    size is compared with it: points that have none near refute it, those that know theirs well make
-    it sharper, and the evidence is weighed with the median of those.
+    size is compared with it: those that know theirs well make it sharper, and the evidence is
+    weighed with the median of those.
 
     Parameters
     ----------
@@ -400,8 +400,7 @@ def searched(kind, f, runs, window, size):
         again = asked(kind, f, off, shared, SAME_SIZE * abs(shared), sharp, floor=1e-3)
         # A point that sees the size stand still around it needs no window.
         agrees = again.agrees | (np.take_along_axis(stays, nearest, -1)[:, 0] & same)
-        refutes = evidence.refutes | (complete & ~same)
-        tried.append((again._replace(refutes=refutes, agrees=agrees), shared))
+        tried.append((again._replace(refutes=evidence.refutes, agrees=agrees), shared))
     if not tried:
         nothing = np.zeros(len(values), dtype=bool)
         none = np.zeros((len(values), 0))

@@ -225,22 +225,23 @@ def _rests(ticks, ramps, known):
     move leaves.
     """
     begins = np.cumsum(ticks) - ticks
-    ramps = np.repeat(np.floor(ramps).astype(int), ticks, axis=0)  # of each tick
-    ramps[:, 1] -= ramps[:, 0]
-    ramps[np.setdiff1d(np.arange(len(ramps)), begins), 1] = 0
+    free, corner = np.floor(ramps).astype(int).T
+    less = np.zeros(ticks.sum(), int)  # of each tick, where a move begins
+    less[begins] = corner - free
+    free = np.repeat(free, ticks)
     begins = begins[:: 1 + len(ticks) // TRIED]
-    at = FULL * begins[begins + known <= len(ramps)]  # ticks times FULL
+    at = FULL * begins[begins + known <= len(free)]  # ticks times FULL
     end = at + FULL * known
     scale = np.full(len(at), FULL)
     while len(at):
-        free, corner = ramps[at // FULL].T
-        after = ramps[np.minimum(-(-at // FULL), end // FULL - 1)].T
-        most = np.minimum(free + corner * scale // FULL, after[0] + after[1] * scale // FULL)
+        tick = at // FULL
+        after = np.minimum(-(-at // FULL), end // FULL - 1)
+        most = np.minimum(*(free[k] + less[k] * scale // FULL for k in (tick, after)))
         wanted = np.sqrt((end - at) * (FULL / known)).astype(np.int64)
         before, scale = scale, np.clip(np.minimum(wanted, FULL), scale - most, scale + most)
         moved = np.minimum(scale, end - at)  # where nothing is left it stands
         at = at + scale
-        if np.any((at >= end) & (np.maximum(before - moved, moved) > free)):
+        if np.any((at >= end) & (np.maximum(before - moved, moved) > free[tick])):
             return False
         goes = (scale > 0) & (at < end)
         at, end, scale = at[goes], end[goes], scale[goes]
@@ -264,9 +265,8 @@ def _throughput(plan, stopping):
 
 def _trip(plan, job, arms):
     """Return the following error that shuts the valves, in m at the cutter."""
-    plants, loops = job.axes
     setvalues, slopes = whole_run(replace(plan, laps=1))
-    track = follow(plants, loops, setvalues, slopes=slopes)
+    track = follow(*job.axes, setvalues, slopes=slopes)
     # As the controller has it: theta's by the longest arm.
     least = MORE * float((np.abs(track.setvalue - track.position) * arms).max())
     trip = float(job.controller.get("trip", TRIP * plan.circuit.machine.depth))

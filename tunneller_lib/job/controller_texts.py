@@ -30,7 +30,7 @@ XML_HEAD = """
 
 @checked
 def c99_header(made: Program):
-    """Return the header of a `Program` in C99: its contract, its types and what is called."""
+    """Return the header of a `Program` in C99: contract, types and prototypes."""
     contract = made.text[2 : made.text.index("*)")]
     return (f"/*{contract}{C_USE}*/\n#ifndef CONTROLLER_H\n#define CONTROLLER_H\n"
             f"{C_HEAD}\n{c99_types(_blocks(made))}\n#endif\n")  # fmt: skip
@@ -78,13 +78,13 @@ def plcopen_xml(made: Program):
 
 
 def _tag(name, /, *inside, **attributes):
-    """Return an element of XML, whose name may have attributes with it."""
+    """Return an XML element; its name may bring attributes along."""
     given = "".join(f' {key}="{value}"' for key, value in attributes.items())
     return f"<{name}{given}>{''.join(inside)}</{name.split()[0]}>\n"
 
 
 def _words(text):
-    """Return a text as open readers look for it: as a paragraph, not in a division of text."""
+    """Return a text as open readers want it: one paragraph without a division around it."""
     return _tag("xhtml:p", escape(text, quote=False)).rstrip()
 
 

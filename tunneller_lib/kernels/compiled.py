@@ -1,21 +1,18 @@
-"""Loops over plain numbers, compiled by numba where it is there, and works, and the work is long.
+"""Loops over plain numbers, which numba compiles where it is installed and the work is long.
 
-A function that `call` is given works on numbers, tuples and rows that it reads and writes by
-index. It runs as it stands, on lists, or compiled, on arrays: the same statements in the same
-order, without fast-math, so that every bit of the answers is the same. Of Python's own it may use
-what both ways do alike: no powers, whose last bit depends on who computes them, and no `hypot`.
+A function given to `call` works on numbers, tuples and rows that it reads and writes by index. It
+runs as it stands, on lists, or compiled, on arrays: the same statements in the same order, without
+fast-math, so that every bit of the answers is the same. It may use only what both ways compute
+alike: no powers and no `hypot`, whose last bits differ between libraries.
 """
 
 import functools
 import importlib
 import inspect
 import math
-import os
 import sys
 import threading
 from collections import defaultdict
-from contextlib import suppress
-from pathlib import Path
 from types import FunctionType
 from typing import ClassVar
 
@@ -26,7 +23,7 @@ _compiling = threading.Lock()
 
 
 class _Work:
-    """How much plain work of each kind there was, in s, and whether any is compiled since."""
+    """The plain work expected of each kind so far, in s, and whether loops are compiled by now."""
 
     compiled = False
     of_kind: ClassVar = defaultdict(float)
@@ -36,7 +33,7 @@ class _Work:
 def replace_plain(other):
     """Have `other`, called as `call` is, run the functions that numba doesn't.
 
-    For places that have another compiler, as a web page has.
+    This is for places that have another compiler, such as a web page.
     """
     _Work.other = other
 
@@ -44,7 +41,7 @@ def replace_plain(other):
 def expect(seconds, kind):
     """Announce loops of a `kind` that take about so many `seconds` in plain Python.
 
-    Once `LONG` of that kind was expected its loops are compiled from then on, if numba is there.
+    Once more than `LONG` of a kind is expected, its loops are compiled, if numba can be imported.
     """
     _Work.of_kind[kind] += seconds
     if _Work.of_kind[kind] > LONG and not _Work.compiled:
@@ -52,15 +49,15 @@ def expect(seconds, kind):
 
 
 def ready(kind):
-    """Return whether loops of a kind are compiled; a caller may have another way if not."""
+    """Return whether loops of a kind are compiled, so that a caller can prepare their arguments."""
     return _Work.compiled and _Work.of_kind[kind] > LONG
 
 
 def each_block(work, count, size, kind):
     """Do `work` on blocks of rows that are independent of each other.
 
-    Where loops of its kind are compiled, which leave Python's lock alone, all cores take part: as
-    many as numba was given, by NUMBA_NUM_THREADS.
+    Compiled loops run without Python's lock, so that all cores take part: as many as
+    NUMBA_NUM_THREADS gives to numba.
 
     Parameters
     ----------
@@ -100,11 +97,11 @@ def loop(inlined=()):
 
 
 def _numba_loads():
-    """Tell whether numba is there and works here; it may fail with any error."""
+    """Return whether numba is installed and works here; its import may raise any error."""
     return _imported(sys.modules.get("numba", "not yet asked for"))
 
 
-@functools.cache  # who has none would look for it again at every short call
+@functools.cache  # a failed import would be tried again at every call
 def _imported(_found):
     try:
         importlib.import_module("numba")
@@ -114,7 +111,7 @@ def _imported(_found):
 
 
 def call(function, *arguments, kind=None, **parts):
-    """Return what a `function` of numbers, tuples and rows answers; rows it may change.
+    """Return the answer of a `function` of numbers, tuples and rows; it may change the rows.
 
     Parameters
     ----------
@@ -123,9 +120,9 @@ def call(function, *arguments, kind=None, **parts):
     *arguments
         Its arguments. Rows are contiguous arrays of floats or ints, (n,) or (n, m).
     kind : object, optional
-        The kind of loop that it is; not needed where the caller knows that it is `ready`.
+        The kind of loop; not needed where the caller has asked whether it is `ready`.
     **parts
-        Functions to be called in place of those that have these names in the functions' modules.
+        Functions that replace those of these names in the functions' modules.
     """
     if _Work.compiled and (kind is None or ready(kind)):
         with _compiling:
@@ -135,27 +132,15 @@ def call(function, *arguments, kind=None, **parts):
 
 
 def _run(fast, arguments):
-    """Return what a compiled function answers, whatever is wrong with its kept form.
+    """Return what a compiled function answers, whatever is wrong with the form kept on the disk.
 
-    That may be cut short, or another's, and then any error comes before a row was changed; or it
-    can't be kept for another day, as on a full disk, and then the function is compiled by now.
+    That may be cut short, or another's, or there may be no room for it: then any error comes before
+    a row was changed, and the function is compiled for this process alone.
     """
     try:
         return fast(*arguments)
     except Exception:
-        _forget(fast)
-    try:
-        return fast(*arguments)
-    except Exception:  # nor can it be deleted
         return _never_kept(fast.py_func)(*arguments)
-
-
-def _forget(fast):
-    """Delete what was kept of a compiled function, where one may."""
-    kept = Path(fast.stats.cache_path or os.devnull)
-    for path in kept.glob(f"*{fast.py_func.__qualname__}-*"):
-        with suppress(OSError):
-            path.unlink()
 
 
 @functools.cache
@@ -167,7 +152,7 @@ def _never_kept(copy):
 
 
 def call_plain(function, *arguments, **parts):
-    """Return what `call` does, but always by plain Python, on lists."""
+    """Return what `call` does, always in plain Python and on lists."""
     # Python reads and writes lists several times as fast as arrays.
     lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
     if parts:
@@ -196,13 +181,13 @@ def root(x):
 
 @functools.lru_cache(32)
 def _replaced(function, *parts):
-    """Return a function that calls other parts than it names."""
+    """Return a copy of a function that calls `parts` in place of what it names."""
     return _copied(function, dict(parts), lambda copy: copy, {})
 
 
 @functools.cache
 def _compiled(function, *parts):
-    """Return a function compiled, with all functions that it calls."""
+    """Return the compiled form of a function and of all functions that it calls."""
     import hashlib
 
     import numba
@@ -211,13 +196,13 @@ def _compiled(function, *parts):
     options, inlined = getattr(function, "options", ({}, ()))
 
     def made(copy):
-        # Only compiled code calls it: a way in from Python would take as long to compile again.
+        # Only compiled code calls it: an entry from Python would double the time to compile.
         alone = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         return numba.njit(copy, forceinline=copy.__name__ in inlined, **alone, **options)
 
     copy = _copied(function, dict(parts), made, known)
-    # A compiled form that was kept is found by the function's name: this one changes with the
-    # parts, with any module that takes part, and with the numbers that are imported from others.
+    # Numba finds a kept form by the function's name. This name changes with the parts, with the
+    # text of any module that takes part, and with the numbers that are imported from others.
     modules = {inspect.getmodule(one) for one in (function, *known)}
     about = [part.__qualname__ for _, part in parts] + sorted(map(inspect.getsource, modules))
     named = [
@@ -228,7 +213,7 @@ def _compiled(function, *parts):
     about.append(repr(options))
     digest = hashlib.sha256("".join(about).encode()).hexdigest()
     copy.__qualname__ = f"{function.__qualname__}_{digest[:16]}"
-    copy.made_with = options
+    copy.made_with = options  # for `_never_kept`, which has only the copy
     try:
         return numba.njit(cache=True, **options)(copy)
     except Exception:  # no folder that could be written to

@@ -1,8 +1,8 @@
-"""One formula for one line and for many: operations on floats as on arrays, element by element.
+"""One formula for one line and for many: operations on floats and, element by element, on arrays.
 
 Python adds two floats in a thirtieth of the time that numpy takes to be called. A formula made of
 sums, products and these functions runs either way, with the same bits. Many callers divide by zero
-where another branch answers: with arrays they hold numpy's warnings off.
+where another branch gives the answer: with arrays they switch numpy's warnings off.
 """
 
 import math
@@ -20,40 +20,40 @@ def where(condition, yes, no):
 
 
 def smaller(a, b):
-    """Return the smaller of two numbers, or not a number if one is none."""
+    """Return the smaller of two numbers, or NaN if either is."""
     if type(a) is float and type(b) is float:
         return a if a <= b or a != a else b
     return np.minimum(a, b)
 
 
 def larger(a, b):
-    """Return the larger of two numbers, or not a number if one is none."""
+    """Return the larger of two numbers, or NaN if either is."""
     if type(a) is float and type(b) is float:
         return a if a >= b or a != a else b
     return np.maximum(a, b)
 
 
 def within(x, low, high):
-    """Return x, or the end that it is beyond."""
+    """Return x, or the limit beyond which it lies."""
     return smaller(larger(x, low), high)
 
 
 def square_root(x):
-    """Return the square root, not a number of what is below zero."""
+    """Return the square root, which is NaN below zero."""
     if type(x) is float:
         return math.sqrt(x) if x >= 0 else math.nan
     return np.sqrt(x)
 
 
 def ratio(a, b):
-    """Return a / b, which is infinite or not a number where b is zero."""
+    """Return a / b, which is infinite or NaN where b is zero."""
     if type(a) is float and type(b) is float:
         return a / b if b else a * math.copysign(math.inf, b)
     return np.divide(a, b)
 
 
 def power_above(x):
-    """Return the power of two next above a size."""
+    """Return the exponent of the power of two next above a size."""
     return math.frexp(x)[1] if type(x) is float else np.frexp(x)[1]
 
 
@@ -65,10 +65,8 @@ def scaled(x, power):
 
 
 def two_to(shifted):
-    """Return two to the power that was added to 1.5 * 2^52, from -1022 to 1023."""
-    if type(shifted) is float:
-        return math.ldexp(1.0, int(shifted - 1.5 * 2.0**52))
-    return ((shifted.view(np.int64) + 1023) << 52).view(np.float64)  # it is among the last bits
+    """Return 2^n, n from -1022 to 1023, of the float n + 1.5 * 2^52."""
+    return math.ldexp(1.0, int(shifted - 1.5 * 2.0**52))
 
 
 def some(condition):
@@ -105,7 +103,7 @@ def quotient(a, b):
 
 
 def divided(a, b):
-    """Return a / b, in a `compiled.loop`, which divides by zero as arrays do."""
+    """Return a / b in a `compiled.loop`, whose quotients by zero are those of arrays."""
     return a / b
 
 
@@ -115,7 +113,7 @@ def holds(condition):
 
 
 def power_in_bits(x):
-    """Return the power of two next above a number that isn't below 1e-300."""
+    """Return the exponent of the power of two next above a number of at least 1e-300."""
     return (np.float64(x).view(np.int64) >> 52) - 1022
 
 
@@ -124,7 +122,7 @@ def two_to_bits(shifted):
     return np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
 
 
-# What `compiled.call` puts in their place,
+# What `compiled.call` puts in their place:
 NUMBERS = {
     "where": chosen,
     "smaller": lesser,
@@ -135,7 +133,7 @@ NUMBERS = {
     "power_above": power_in_bits,
     "two_to": two_to_bits,
 }
-# and `compiled.call_plain` may, where a root of what is below zero raises ValueError.
+# For `compiled.call_plain`, where the root of a negative number raises ValueError.
 PLAIN = {
     "where": chosen,
     "smaller": lesser,
@@ -144,3 +142,5 @@ PLAIN = {
     "ratio": quotient,
     "some": holds,
 }
+# Numpy's own numbers may be infinite or NaN, which these take by their bits.
+IEEE = {"power_above": power_in_bits, "two_to": two_to_bits}

@@ -22,6 +22,7 @@ def norm(a):
 def two_product(a, b):
     """Return a * b rounded, and exactly what the rounding lost."""
     product = a * b
+    # Each factor is split into halves of 26 bits, whose products are exact (Dekker).
     a_scaled, b_scaled = _SPLITTER * a, _SPLITTER * b
     a_high, b_high = a_scaled - (a_scaled - a), b_scaled - (b_scaled - b)
     a_low, b_low = a - a_high, b - b_high
@@ -31,7 +32,7 @@ def two_product(a, b):
 def two_sum(a, b):
     """Return a + b rounded, and exactly what the rounding lost."""
     total = a + b
-    shadow = total - a
+    shadow = total - a  # what of b has reached the sum (Knuth)
     return total, (a - (total - shadow)) + (b - shadow)
 
 

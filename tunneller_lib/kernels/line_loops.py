@@ -1,4 +1,4 @@
-"""Lines one after the other, for `compiled.call`, by the formulas that rows of lines have."""
+"""The loop over lines for `compiled.call`, by the formulas that serve rows of lines, too."""
 
 import math
 
@@ -7,7 +7,7 @@ from .vectors import differences
 
 
 def quick(shape, q, u):
-    """Stand in for the quick way of a shape, see `blocks`: `enter`, `leave` and if it's `sure`.
+    """Return `enter`, `leave` and whether they are sure: the name stands for a shape's quick way.
 
     Parameters: a point from the shape's start, in m, and a direction, three floats each.
     """
@@ -15,7 +15,7 @@ def quick(shape, q, u):
 
 
 def careful(shape, p, u):
-    """Stand in for the careful way of a shape, whose point p is where it is."""
+    """Return `enter` and `leave`: the name stands for a shape's careful way, with p as given."""
     raise NotImplementedError
 
 
@@ -38,6 +38,7 @@ def meet_lines(shape, plain, points, directions, enter, leave):
         p = (points[k][0], points[k][1], points[k][2])
         k = i if len(directions) > 1 else 0
         u = (directions[k][0], directions[k][1], directions[k][2])
+        # The careful way costs several times as much: it is asked only where the other isn't sure.
         sure = False
         if plain:
             first, last, sure = quick(shape, differences(p, shape.start), u)
@@ -52,7 +53,7 @@ def meet_lines(shape, plain, points, directions, enter, leave):
 
 
 def root_or_none(x):
-    """Return the square root, not a number of what is below zero."""
+    """Return the square root, which is NaN below zero."""
     return math.sqrt(x) if x >= 0 else math.nan
 
 

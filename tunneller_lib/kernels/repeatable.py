@@ -1,15 +1,15 @@
-"""Elementary functions whose bits are the same everywhere: for a float, an array, or compiled.
+"""Elementary functions of a float whose bits are the same everywhere, in plain Python or compiled.
 
-They are made of sums, products, quotients and roots, in one order, element by element as in
-`elementwise`; those of the C library, of numpy and of a compiler differ in last bits, by processor,
-too. Each is right to two roundings of its value.
+They are made of sums, products, quotients and roots, in one order. Those of the C library, of numpy
+and of a compiler differ in their last bits, from processor to processor as well. Each is right to
+two roundings of its value.
 """
 
 import math
 
 import numpy as np
 
-from .elementwise import power_above, smaller, square_root, two_to, where, within
+from .elementwise import power_above, square_root, two_to, within
 
 WHOLE = 1.5 * 2.0**52  # adding and subtracting it rounds to whole numbers
 FAR = 2.0**21  # rad
@@ -30,11 +30,13 @@ _A3, _A5, _A7, _A9, _A11, _A13, _A15, _A17, _A19, _A21 = (1 / k for k in range(3
 
 def growth(x):
     """Return exp(x) - 1 for x from 0 to 700, to its last digits however small x is."""
+    # exp(x) = 2^power exp(r), with |r| at most half of log 2.
     power = (x * _PER_LOG2 + WHOLE) - WHOLE
     r = (x - power * _LOG2[0]) - power * _LOG2[1]
     high = ((((_E13 * r + _E12) * r + _E11) * r + _E10) * r + _E9) * r + _E8
     rest = ((((((high * r + _E7) * r + _E6) * r + _E5) * r + _E4) * r + _E3) * r + _E2) * (r * r)
     scale = two_to(power + WHOLE)
+    # The sum with scale - 1, which is exact, keeps the digits where x is small and power zero.
     return scale * (r + rest) + (scale - 1)
 
 
@@ -43,8 +45,8 @@ def area_sine(x):
     # It is the logarithm of 1 + above, and that of a power of two and what is left of it.
     above = x + x * x / (1 + square_root(1 + x * x))
     power = power_above(0.7 * (1 + above)) + 0.0
-    scale = two_to(power + WHOLE)
-    left = where(power == 0, above, (1 + above) / scale - 1)
+    # Where the power is one, `above` itself has the digits of a small logarithm.
+    left = above if power == 0 else (1 + above) / two_to(power + WHOLE) - 1
     s = left / (2 + left)
     z = s * s
     low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13
@@ -55,23 +57,24 @@ def area_sine(x):
 def sine_cosine(x):
     """Return the sine and the cosine of x, from -3.9 to 3.9."""
     quarter = (x * (2 / math.pi) + WHOLE) - WHOLE
+    # In three parts pi / 2 has so many digits that next to a multiple of it none is lost.
     r = ((x - quarter * _HALF_PI[0]) - quarter * _HALF_PI[1]) - quarter * _HALF_PI[2]
     z = r * r
     rest = ((((((_S17 * z + _S15) * z + _S13) * z + _S11) * z + _S9) * z + _S7) * z + _S5) * z
     sine = r + r * z * (rest + _S3)
     rest = ((((((_C18 * z + _C16) * z + _C14) * z + _C12) * z + _C10) * z + _C8) * z + _C6) * z
     cosine = 1 - (z / 2 - z * z * (rest + _C4))
-    half = where(abs(quarter) == 2, -1.0, 1.0)
-    across = abs(quarter) == 1
-    return where(across, quarter * cosine, half * sine), where(
-        across, -quarter * sine, half * cosine
-    )
+    if abs(quarter) == 1:
+        return quarter * cosine, -quarter * sine
+    if abs(quarter) == 2:
+        return -sine, -cosine
+    return sine, cosine
 
 
 def reduced(angle):
-    """Return angles (n,) from -pi to pi, in rad: those beyond are turned back, by 2 pi exactly.
+    """Return angles (n,), in rad, reduced to -pi to pi by exact multiples of 2 pi.
 
-    As the sine of a far angle is, they are right to the last digits of what is left of them.
+    They are right to the last digits of what is left, as the sine of a far angle is.
     """
     far = abs(angle) > math.pi
     if not far.any():
@@ -86,20 +89,23 @@ def reduced(angle):
 
 def arctangent(y, x):
     """Return the angle of the direction (x, y), from -pi to pi; zero where both are zero."""
-    big = where(abs(y) > abs(x), abs(y), abs(x))
-    small = smaller(abs(x), abs(y))
+    steep = abs(y) > abs(x)
+    big, small = (abs(y), abs(x)) if steep else (abs(x), abs(y))
     # Turned back by pi / 4 where that is nearer, and halved, the angle is at most pi / 16.
     nearer = small > 0.4 * big
-    across = where(nearer, small - big, small)
-    along = where(nearer, small + big, big)
-    tangent = across / where(big > 0, along, 1.0)
+    across, along = (small - big, small + big) if nearer else (small, big)
+    tangent = across / along if big > 0 else across
     tangent = tangent / (1 + square_root(1 + tangent * tangent))
     z = -tangent * tangent
     low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13
     rest = (((((low * z + _A11) * z + _A9) * z + _A7) * z + _A5) * z + _A3) * z
     angle = 2 * (tangent + tangent * rest)
+    # Back to the octant; parts of pi / 2 are added from the small one up.
     low = _HALF_PI[1] + _HALF_PI[2]
-    angle = where(nearer, _HALF_PI[0] / 2 + (low / 2 + angle), angle)
-    angle = where(abs(y) > abs(x), _HALF_PI[0] + (low - angle), angle)
-    angle = where(x < 0, 2 * _HALF_PI[0] + (2 * low - angle), angle)
-    return where(y < 0, -angle, angle)
+    if nearer:
+        angle = _HALF_PI[0] / 2 + (low / 2 + angle)
+    if steep:
+        angle = _HALF_PI[0] + (low - angle)
+    if x < 0:
+        angle = 2 * _HALF_PI[0] + (2 * low - angle)
+    return -angle if y < 0 else angle

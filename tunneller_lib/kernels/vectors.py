@@ -1,4 +1,4 @@
-"""Vectors as three numbers, of one line, or as three rows, of many."""
+"""Vectors as three numbers each, or as three rows of many."""
 
 from .elementwise import larger, power_above, scaled, square_root, where
 
@@ -67,7 +67,7 @@ def near_one(v):
 
 
 def unit_and_speed(direction):
-    """Return unit vectors along directions, none zero, and these' lengths."""
+    """Return the unit vectors along directions, none of them zero, and the lengths of these."""
     along, power = near_one(direction)
     speed = lengths(along)
     return shares(along, speed), scaled(speed, power)

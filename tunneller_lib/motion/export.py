@@ -1,7 +1,8 @@
-"""Function blocks for other controllers: Structured Text (IEC 61131-3), and the C99 of it.
+"""Function blocks for other controllers, in Structured Text (IEC 61131-3) and in C99.
 
-A text is written once, in Structured Text with one statement a line. What both languages share is
-copied and the rest is replaced word by word; numbers come from tables of constants.
+Each text is written once, in Structured Text with one statement a line. For C, words are replaced
+one by one, and what both languages share is copied. A job's numbers are the fields of one structure
+in Structured Text, and constants in C.
 """
 
 import re
@@ -14,7 +15,7 @@ import numpy as np
 from ..arguments import Whole, checked
 
 KINDS = {"BOOL": "bool", "DINT": "int32_t", "LREAL": "double"}
-# Structured Text against C, statements first.
+# Patterns of Structured Text and their C. Statements come first: they are told by their words.
 WORDS = [
     (r"\bELSIF\b", "} else IF"), (r"\bELSE\b", "} else {"), (r"\bEND_(IF|FOR|WHILE);", "}"),
     (r"\bIF ((?s:.*?)) THEN$", r"if (\1) {"), (r"\bWHILE ((?s:.*?)) DO$", r"while (\1) {"),
@@ -38,7 +39,7 @@ STRUCT = r"(\w+) : STRUCT\n(.*?) +END_STRUCT"
 BLOCK = r"(FUNCTION_BLOCK|PROGRAM) (\w+)\n((?:VAR.*?END_VAR\n)*)(.*?)END_\1\n"
 ROW = r"^ +([\w, ]+) : (?:ARRAY \[0\.\.(\d+)\] OF )?(\w+)(?: := ([^;]+))?;(?: \(\* (.*) \*\))?$"
 COMMENT = r"(\(\*.*?\*\))"
-# Operations; the sign of a number is a part of it.
+# An operation; the sign of a number isn't one.
 COUNTED = r"\s[-+*/]\s|(?<=[\s(])-(?=[A-Za-z(])| MOD |\b(?:SQRT|SIN|COS|ATAN2?)\("
 
 
@@ -50,14 +51,8 @@ Row = namedtuple("Row", "name last kind begin comment")
 class Block(namedtuple("Block", "kind name sections body")):
     """A function block, a program or a structure in Structured Text.
 
-    Parameters
-    ----------
-    kind, name : str
-        The kind is "FUNCTION_BLOCK", "PROGRAM" or "STRUCT".
-    sections : list of (str, list of Row)
-        Such as ("VAR_INPUT", rows).
-    body : str
-        The statements, one a line.
+    Its kind is "FUNCTION_BLOCK", "PROGRAM" or "STRUCT", its sections are pairs such as
+    ("VAR_INPUT", list of `Row`), and its body has one statement a line.
     """
 
     def rows(self, *kinds):
@@ -103,25 +98,25 @@ def constant_rows(constants):
 
 
 def _number(value):
-    """Return a number, or a list of them in rows, as both languages take it."""
+    """Return a number, or a list of numbers in rows, as both languages write it."""
     if isinstance(value, list):
         texts = list(map(_number, value))
         rows = [", ".join(texts[i : i + 8]) for i in range(0, len(texts), 8)]
         return "[" + ",\n            ".join(rows) + "]"
-    # Structured Text wants a point before an exponent: 5e-05 isn't legal.
+    # Structured Text requires a point before an exponent: 5e-05 isn't legal.
     return re.sub(r"^(-?\d+)e", r"\1.0e", repr(value))
 
 
 def operations(block):
-    """Return how many operations a round of a `Block` takes at most, each statement done once.
+    """Return how many operations a `Block` takes if each of its statements is executed once.
 
-    Neither indices nor comparisons count.
+    Operations on indices and comparisons don't count.
     """
     return len(re.findall(COUNTED, re.sub(rf"{COMMENT}|\[[^][]*\]", "", block.body, flags=re.S)))
 
 
 def c99_types(blocks):
-    """Return the structures of a list of `Block` in C99, how they begin, and what is called."""
+    """Return structures, initial values and prototypes of a list of `Block` in C99."""
     texts = []
     for block in blocks:
         rows = block.rows("VAR_INPUT", "VAR_OUTPUT", "VAR")
@@ -151,9 +146,10 @@ def _declared(row):
 
 
 def _head(block):
-    """Return the head of the function that is a call of a block.
+    """Return the head of the C function that a call of a block becomes.
 
-    Another task writes an external, but for the job, whose numbers are constants in C.
+    Externals are volatile, since another task writes them. The job isn't passed: its numbers are
+    constants in C.
     """
     shared = (f", volatile {row.kind} *{row.name}" for row in block.rows("VAR_EXTERNAL")
               if row.name != "job")  # fmt: skip

@@ -103,7 +103,7 @@ class Circuit:
 
     @property
     def aligned(self):
-        """Whether the machine's axes are parallel to the tunnel's."""
+        """Return whether the machine's axes are parallel to the tunnel's."""
         return self.pitch == 0 and self.yaw == 0
 
     @cached_property

@@ -9,18 +9,17 @@ t = width sinh(y) spreads their peak: panels of equal width in y have a series e
 to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length costs
 the same time. Lengths are in tube radii below `followed`, rho = r + cos(phi).
 
-`follow_each` is the loop over geodesics, in plain Python or compiled, with the same bits.
+`follow_each` loops over geodesics, in plain Python or compiled, with the same bits.
 """
 
 import math
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..arguments import Angles, Lengths, Positions, Rule, checked, positions
+from ..arguments import Angles, Array, Lengths, Positions, checked
 from ..kernels import compiled
 from ..kernels.compiled import loop
 from ..kernels.elementwise import (
@@ -38,7 +37,7 @@ from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, reduced, 
 from ..surfaces import Torus
 from ..surfaces.torus import torus_normal, torus_point, torus_tangents
 from .bounds import Count, check_points, check_ratio
-from .geodesic_root import PI_REST, Radii, distance, rho
+from .geodesic_root import PI_REST, Radii, distance
 
 ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
 STEEP = 0.1  # the same: below, Clairaut's constant tells more digits of it than an azimuth near pi
@@ -57,14 +56,7 @@ LATE = 0.9  # of the angle that half of a swing turns, past which what is left o
 ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
 
 
-def _rows_of_positions(name, value):
-    array = positions(name, value)
-    if array.ndim < 2:
-        raise ValueError(f"{name}: must be lists (..., m, 2) of positions; got {array.shape}.")
-    return array
-
-
-Ways = Annotated[ArrayLike, Rule("(..., m, 2) float", _rows_of_positions, "rad")]
+Ways = Array("(..., m, 2) float", "rad", last="theta, phi")
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,11 +205,7 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
     given = np.empty((6, theta.size))
     given[0], given[1], given[2] = theta.ravel(), phi.ravel(), azimuth.ravel()
     given[3:5] = reduced(given[1:3])
-    given[5] = math.nan
-    if clairaut is not None:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            _, half_cosine = sine_cosine(given[3] / 2)
-            given[5] = np.ravel(clairaut) / rho(torus, given[3], half_cosine)
+    given[5] = math.nan if clairaut is None else np.ravel(clairaut) / torus.R
     position, azimuth = trace(torus, given, s.reshape(-1, n))
     return GeodesicPoints(torus, s, position.reshape(*s.shape, 2), azimuth.reshape(s.shape))
 
@@ -232,7 +220,7 @@ def _shares(n):
 
 @checked
 def half_swing(torus: Torus, clairaut: Lengths):
-    """Return what geodesics turn, and how long they are, from one turning point to the next.
+    """Return the turned angle and the length of geodesics from one turning point to the next.
 
     Parameters
     ----------
@@ -284,8 +272,9 @@ def half_swing(torus: Torus, clairaut: Lengths):
 class Orbit(NamedTuple):
     """What stays the same along a geodesic: rho = c + 2 (E + B sin^2(t)).
 
-    D = A + B sin^2(t) is cos^2(phi/2) between turning points, the peak at t = 0 is about `width`
-    wide, `free` says who goes round the tube. There are so many `panels`, a float, `step` wide.
+    D = A + B sin^2(t) is cos^2(phi/2) between turning points, and the integrands' peak at t = 0 is
+    about `width` wide. `free` tells whether it goes round the tube; `panels` is the number of
+    panels, a float, and `step` their width.
     """
 
     c: np.ndarray
@@ -331,14 +320,16 @@ def panel_rule():
     k = np.arange(TERMS)[:, None]
     j = np.arange(1, TERMS + 1)
     turns = (j * (2 * k + 1) + 2 * TERMS) % (4 * TERMS) - 2 * TERMS
-    sines, cosines = sine_cosine(turns * (math.pi / (2 * TERMS)))
+    angles = turns * (math.pi / (2 * TERMS))
+    pairs = [[sine_cosine(angle) for angle in row] for row in angles.tolist()]
+    sines, cosines = np.moveaxis(np.array(pairs), -1, 0)
     series = 2 / TERMS * sines * sines[:, :1] / j
     series[:, -1] /= 2  # there is no term behind the last
     begin = np.sum(np.where(j % 2, series, -series), axis=1, keepdims=True)
     return (1 + cosines[:, 0]) / 2, np.concatenate([begin, series], axis=1)
 
 
-def headed(r, phi, azimuth, steep):
+def headed(r, phi, azimuth, c):
     """Return how a geodesic sets out from phi by an azimuth, both in rad, from -pi to pi.
 
     Parameters
@@ -347,8 +338,8 @@ def headed(r, phi, azimuth, steep):
         r / R of the torus.
     phi, azimuth : float
         Those of the start.
-    steep : float
-        What Clairaut's constant tells of the azimuth's sine, or NaN where it isn't known.
+    c : float
+        Clairaut's constant, over R, or NaN where it isn't known.
 
     Returns
     -------
@@ -359,14 +350,15 @@ def headed(r, phi, azimuth, steep):
         where the start isn't on the working sheet.
     """
     sine, cosine = sine_cosine(azimuth)
-    if steep == steep:
+    half_sine, half_cosine = sine_cosine(phi / 2)
+    rho = distance(Radii(r, 1.0), phi, half_cosine)
+    if c == c:
         # Near a meridian the azimuth's own rounding is most of its sine.
         if abs(sine) <= STEEP:
-            sine = steep
+            sine = ratio(c, rho)
     elif abs(sine) <= ALONG_MERIDIAN:
         sine = 0.0
-    half_sine, half_cosine = sine_cosine(phi / 2)
-    return sine, cosine, (half_sine, half_cosine, distance(Radii(r, 1.0), phi, half_cosine))
+    return sine, cosine, (half_sine, half_cosine, rho)
 
 
 def orbit_of(r, phi, placed, sine, cosine):
@@ -410,7 +402,7 @@ def rising(cosine):
 
 
 def whole_part(x):
-    """Return the whole number, a float, that is nearest."""
+    """Return the nearest whole number, as a float."""
     return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x  # there are no others farther out
 
 
@@ -437,7 +429,7 @@ def series_sum(x, terms):
 
 
 def solved(wanted, whole, terms):
-    """Return x where the sum of a series is the `wanted` part of the `whole`, its sum at x = 1."""
+    """Return x at which the sum of a series is `wanted`; at x = 1 it is `whole`."""
     x = 2 * wanted / whole - 1
     for _ in range(ROUNDS):
         # Clenshaw's recurrence for the sum and for its derivative, and Newton's step.
@@ -458,7 +450,8 @@ def solved(wanted, whole, terms):
 def point_at(orbit, start, swings, y, sign):
     """Return phi and the azimuth, in rad, of a point on an `orbit` with this `start`.
 
-    It is so many `swings`, a whole number, from t = 0, and then at y, on the side of this `sign`.
+    The point is `swings` half swings from t = 0, a whole number, and then at y to the side that
+    `sign` tells.
     """
     grown = growth(y)
     t = sign * orbit.width * ((grown + grown / (1 + grown)) / 2)
@@ -479,7 +472,7 @@ def point_at(orbit, start, swings, y, sign):
 
 
 def begun_at(orbit, start, count, edges, series):
-    """Return what a geodesic has behind it where it begins, for `point_on`.
+    """Return the length and the angle of a geodesic from t = 0 to its start, for `point_on`.
 
     Parameters
     ----------
@@ -495,7 +488,8 @@ def begun_at(orbit, start, count, edges, series):
     left : float
         What is left of the turned angle to the next crossing of the outer equator.
     crossing : float
-        Which crossing that is, in swings, where what is left has more digits; else NaN.
+        Which crossing that is, in swings, where what is left of the angle has more digits than the
+        angle; else NaN.
     """
     y = area_sine(abs(start.t) / orbit.width) / orbit.step  # panels from t = 0
     panel = min(int(y), count - 1)
@@ -510,7 +504,7 @@ def begun_at(orbit, start, count, edges, series):
 
 
 def point_on(orbit, start, begun, s, count, edges, series):
-    """Return what theta gained, phi and the azimuth, in rad, of the point at s on an orbit.
+    """Return the gain of theta, phi and the azimuth, in rad, of the point at s on an orbit.
 
     Parameters
     ----------
@@ -548,7 +542,7 @@ def point_on(orbit, start, begun, s, count, edges, series):
 
 
 def tabulate(orbit, shares, integral, values, edges, series):
-    """Return how many panels an orbit has, after filling in what both integrals are on each.
+    """Return the number of an orbit's panels, after filling in both integrals on each.
 
     Parameters
     ----------
@@ -560,7 +554,7 @@ def tabulate(orbit, shares, integral, values, edges, series):
         Filled where panels begin and end: the arc length and the turned angle from t = 0, and what
         is left of that angle to t = pi/2.
     series
-        Filled with what both integrals gain on each panel.
+        Filled with the gains of both integrals on each panel.
     """
     count = int(orbit.panels)
     edges[0][0] = edges[1][0] = edges[2][count] = 0.0
@@ -575,10 +569,10 @@ def tabulate(orbit, shares, integral, values, edges, series):
 
 
 def _add_panel(orbit, panel, shares, integral, values, series):
-    """Fill in both series of a panel, and return their sums at its end.
+    """Return the sums of both series at the end of a panel, after filling them in.
 
-    Each term is a sum over the nodes, one after the other: so numpy adds up along an axis that
-    isn't the last.
+    Each term is a sum over the nodes, one after the other. Numpy adds in this order along an axis
+    that isn't the last.
     """
     _, integral = panel_rule()
     values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
@@ -588,7 +582,7 @@ def _add_panel(orbit, panel, shares, integral, values, series):
 
 
 def _in_loops(orbit, panel, shares, integral, values, series):
-    """Do what `_add_panel` does, compiled, with room for `values`."""
+    """Return what `_add_panel` does, in loops to be compiled, with room for `values`."""
     for k in range(TERMS):
         values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
     for one in range(2):
@@ -604,7 +598,7 @@ def _in_loops(orbit, panel, shares, integral, values, series):
 # ---- loops over geodesics ------------------------------------------------------
 
 PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
-# What becomes part of its caller, compiled, so that several nodes and terms go at once.
+# These become part of their callers when compiled, so that several nodes and terms run at once.
 INLINED = "growth", "two_to_bits", "rates", "series_sum", "tabulate", "_in_loops"
 
 
@@ -616,15 +610,15 @@ def trace(torus, given, s):
     torus : Torus
         The surface.
     given : (6, n) float
-        theta, phi and azimuths at the starts, in rad; phi and azimuths from -pi to pi; the sines of
-        the azimuths where Clairaut's constant tells them. What isn't finite has no answer.
+        theta, phi and azimuths at the starts, in rad; phi and azimuths from -pi to pi; Clairaut's
+        constants over R, or NaN. What isn't finite has no answer.
     s : (n, p) float
         Arc lengths from the starts, in m.
 
     Returns
     -------
     position, azimuth : (n, p, 2) and (n, p) float
-        In rad, counted on from those given; NaN where there is no answer.
+        In rad, continued from those given; NaN where there is no answer.
     """
     position = np.empty((*s.shape, 2))
     azimuth = np.empty(s.shape)
@@ -648,7 +642,7 @@ def trace(torus, given, s):
 
 
 def _plain_room():
-    """Return what `follow_each` gets in plain Python: `_add_panel` needs no room for values."""
+    """Return the room that `follow_each` needs in plain Python, where values need none."""
     shares, _ = panel_rule()
     edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
     return shares.tolist(), None, None, edges, [[None] * MOST_PANELS for _ in range(2)]
@@ -707,7 +701,7 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
 
 
 def _swing_each(r, sines, shares, integral, values, edges, series, turned, lengths):
-    """Write down angles and lengths, in tube radii, of half swings across the outer equator.
+    """Write down turned angles, and lengths in tube radii, of half swings over the outer equator.
 
     They cross it by azimuths with these sines; the rest is as of `follow_each`.
     """

@@ -6,25 +6,28 @@ along it, so that with rho = r + R cos(phi)
     d(theta) / d(phi) = R c / (rho sqrt(rho^2 - c^2)),   d(s) / d(phi) = R rho / sqrt(rho^2 - c^2).
 
 The root vanishes at a turning point, where rho = c, and a quadrature in phi would fail there. In
-both classes sin(phi/2) or cos(phi/2) is a multiple of cos(t), by which it goes: with
+all classes sin(phi/2) or cos(phi/2) is a multiple of cos(t), and t takes the place of phi: with
 D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
 
     angle = sqrt(2R) int c / (rho sqrt((rho + c) D)) dt,
     length = sqrt(2R) int rho / sqrt((rho + c) D) dt.
 
 No angle is needed: sines and cosines of t follow from those of a/2 and b/2 by roots and quotients.
-All is element by element, for floats, arrays or compiled loops. A `torus` is whatever has r and R.
+
+The functions take plain numbers, one geodesic at a time. They run as they stand or compiled, with
+the same bits (`kernels.compiled`). A `torus` is whatever has r and R.
 """
 
 import math
 from functools import cache
 from typing import NamedTuple
 
-import numpy as np
-
-from ..kernels.elementwise import larger, ratio, smaller, some, square_root, where
+from ..kernels.elementwise import larger, ratio, smaller, square_root
 from ..kernels.repeatable import area_sine, growth, sine_cosine
 from .quadrature import gauss_rule
+
+# The classes: `outer`, `inner`, and `second` on either side of its least turned angle.
+OUTSIDE, INSIDE, PAST, BEFORE = range(4)
 
 STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
 STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
@@ -36,8 +39,7 @@ NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a
 NODES = 96
 NODES_OF_RING = 64
 
-BLOCK = 2048  # pairs at a time, so that the quadrature's arrays stay in the cache
-ROUNDS = 100  # Newton's method takes about four; halving a bracket takes sixty
+ROUNDS = 200  # Newton's method takes about four; halving takes sixty, and more for roots of 1e-30
 NEAR = 1e-5  # rad
 AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
 STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
@@ -52,58 +54,58 @@ class Radii(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """What the ends are to their geodesics.
+    """The two ends of a geodesic, as far as the classes need them.
 
     Parameters
     ----------
-    sine_a, cosine_a, sine_b, cosine_b, sine, cosine : (...) float
+    sine_a, cosine_a, sine_b, cosine_b, sine, cosine : float
         Of a/2, of b/2 and of half their difference.
-    apart : (...) float
+    apart : float
         sin^2(a/2) - sin^2(b/2).
-    rho_a, rho_b : (...) float
+    rho_a, rho_b : float
         Distances from the torus' axis, in m.
-    meridian, room : (...) float
-        What the unknown x of `outer` may be at most: -`meridian` stands for the meridian, `room`
-        for the way that winds towards the inner equator of a ring or runs into a node.
+    meridian, room : float
+        The limits of the unknown x of `outer`: -`meridian` stands for the meridian, `room` for the
+        way that winds towards the inner equator of a ring or runs into a node.
     """
 
-    sine_a: np.ndarray
-    cosine_a: np.ndarray
-    sine_b: np.ndarray
-    cosine_b: np.ndarray
-    sine: np.ndarray
-    cosine: np.ndarray
-    apart: np.ndarray
-    rho_a: np.ndarray
-    rho_b: np.ndarray
-    meridian: np.ndarray
-    room: np.ndarray
+    sine_a: float
+    cosine_a: float
+    sine_b: float
+    cosine_b: float
+    sine: float
+    cosine: float
+    apart: float
+    rho_a: float
+    rho_b: float
+    meridian: float
+    room: float
 
 
 class Integrand(NamedTuple):
-    """What one value of the unknown stands for: the constants and limits of both integrals.
+    """The constants and limits of both integrals for one value of the unknown.
 
     Parameters
     ----------
-    c : (...) float
+    c : float
         Clairaut's constant, in m.
     shape : (A, B, E)
         The other constants.
     rates : (dc, dA, dB, dE)
-        What all four change by with the unknown.
+        The derivatives of all four by the unknown.
     first : (sine, cosine)
         Of the lower limit of t, which is from -pi/2 to pi/2.
     span : (sine, cosine)
-        Of how far the upper limit is from the lower.
+        Of the difference of both limits.
     last : (sine, cosine)
         Of the upper limit, which is below pi.
     motion : (dfirst, dlast)
-        What both limits change by with the unknown.
+        The derivatives of both limits by the unknown.
     cosines : (cos_a, cos_b)
         Of the azimuths at both ends.
     """
 
-    c: np.ndarray
+    c: float
     shape: tuple
     rates: tuple
     first: tuple
@@ -111,11 +113,6 @@ class Integrand(NamedTuple):
     last: tuple
     motion: tuple
     cosines: tuple
-
-
-def ends_of(torus, a, b):
-    """Return the `Ends` of geodesics from phi = a to phi = b, in rad."""
-    return ends_at(torus, a, b, half_angles(torus, a, b))
 
 
 def half_angles(torus, a, b):
@@ -144,29 +141,23 @@ def ends_at(torus, a, b, halves):
 def rho(torus, phi, cosine):
     """Return the `distance` at phi, or zero at the node of a horn, which isn't on its sheet."""
     far = distance(torus, phi, cosine)
-    return where(phi == math.pi, 0.0, far) if torus.r == torus.R else far
+    return 0.0 if torus.r == torus.R and phi == math.pi else far
 
 
 def distance(torus, phi, cosine):
-    """Return rho at phi, in rad, from -pi to pi; the cosine of phi / 2 is given, too."""
+    """Return rho at phi, in rad, from -pi to pi, by the `cosine` of phi / 2 as well."""
     _, level = sine_cosine(phi)
     # Where r and R cos(phi) nearly cancel on a horn, r - R and R (1 + cos(phi)) keep the digits.
-    inside = torus.r - torus.R + 2 * torus.R * (cosine * cosine)
-    return where(level < -0.5, inside, torus.r + torus.R * level)
+    if level < -0.5:
+        return torus.r - torus.R + 2 * torus.R * (cosine * cosine)
+    return torus.r + torus.R * level
 
 
-def wide(torus):
-    """Return whether `outer` counts by a logarithm what is left of the way to the meridian."""
-    return torus.r > 0.9 * torus.R
-
-
-def steepest(torus, ends):
-    """Return the unknown of `outer` that stands for the meridian."""
-    return -where(wide(torus), STEEPEST, 1.0) * ends.meridian
+# ---- classes -----------------------------------------------------------------
 
 
 def outer(torus, ends, u):
-    """Return the geodesics that descend to b, at once (u < 0) or after rising above a (u > 0).
+    """Return the `Integrand` of the geodesic that descends to b, at once or after rising above a.
 
     Parameters
     ----------
@@ -174,13 +165,9 @@ def outer(torus, ends, u):
         The surface.
     ends : Ends
         The ends.
-    u : (...) float
-        The unknown, from `steepest`, the meridian, upwards.
-
-    Returns
-    -------
-    integrand : Integrand
-        That of each u.
+    u : float
+        The unknown, from `steepest`, the meridian, upwards: below zero for ways that descend at
+        once.
 
     Notes
     -----
@@ -191,118 +178,54 @@ def outer(torus, ends, u):
     """
     r, R = torus.r, torus.R
     sa, ca, sb, cb, sine, cosine, apart, rho_a, rho_b, L, X = ends
-    x, gap, dx = u, X - u, 1.0
-    e = gap * (X + x)  # X^2 - x^2
-    # On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle
-    # the way turns ever more sharply by the node: x = X tanh(u / X) spreads that out. Below zero
-    # there is no such end, and x = u joins without a bend.
-    rising = u > 0
-    if some(rising):
-        farthest = _farthest(torus)
-        twice = 2 * u / X
-        grown = growth(where(rising, smaller(twice, farthest), 0.0))
-        x = where(rising, X * (grown / (2 + grown)), x)
-        # X - x without cancellation where u is great.
-        gap = where(rising, 2 * X / (2 + grown), gap)
-        e = gap * (X + x)
-        dx = where(rising, e / (X * X), 1.0)
-        if r <= R:  # there the class ends by the node, and nothing turns farther
-            dx = where(twice > farthest, 0.0, dx)
-    c, rest, k2, k, W = _swing(torus, ends, x, e)
-    # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels there,
-    # and by the node of a horn the least c turns far: u counts x + L by its logarithm.
-    if wide(torus):
-        steep = u < -STEEP * L
-        if some(steep):
-            unit = (1 - STEEP) * L
-            left = unit / (1 + growth(where(steep, (-STEEP * L - u) / unit, 0.0)))
-            x = where(steep, left - L, x)
-            dx = where(steep, left / unit, dx)
-            c = where(steep, 2 * R * (left * (2 * L - left)), c)
-            rest = where(steep, (c - (r - R)) / (2 * R), rest)
-            W = where(steep, square_root(larger(apart + x * x, 0.0)), W)
-            k2 = where(steep, sa * sa + x * x, k2)
-            k = square_root(k2)
-    # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
-    # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
-    lower, upper = x * sb, W * sa
-    sum_ = upper - lower
-    small = apart * k2 / where(sum_ > 0, sum_, 1.0)
+    x, dx = u, 1.0
+    e = (X - u) * (X + u)
+    if u > 0:
+        # Below zero the class has no end, and x = u joins without a bend.
+        x, e, dx = _spread(torus, X, u)
+        if r <= R and u > 30 * X:  # the class ends by the node, and nothing turns farther
+            dx = 0.0
+    c, rest, k2, W = _swing(torus, ends, x, e)
+    if wide(torus) and u < -STEEP * L:
+        # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels
+        # there, and by the node of a horn the least c turns far: u counts x + L by its logarithm.
+        unit = (1 - STEEP) * L
+        left = unit / (1 + growth((-STEEP * L - u) / unit))
+        x = left - L
+        dx = left / unit
+        c = 2 * R * (left * (2 * L - left))
+        rest = (c - (r - R)) / (2 * R)
+        W = square_root(larger(apart + x * x, 0.0))
+        k2 = sa * sa + x * x
     dk2 = 2 * x * dx
-    shape = abs(rest), k2, 0.0
-    rates = -2 * R * dk2, -dk2, dk2, 0.0
-    first = -x / k, sa / k
-    span = where(lower < 0, small, upper + lower) / k2, (sa * sb - W * x) / k2
-    last = W / k, sb / k
-    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
-    free = rest < 0
-    if some(free):
+    if rest < 0:
         # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
         # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
-        shape = abs(rest), where(free, 1.0, k2), where(free, -rest, 0.0)
-        rates = rates[0], where(free, dk2, -dk2), where(free, 0.0, dk2), where(free, dk2, 0.0)
-        first = where(free, ca, first[0]), where(free, sa, first[1])
-        span = where(free, sine, span[0]), where(free, cosine, span[1])
-        last = where(free, cb, last[0]), where(free, sb, last[1])
-        motion = where(free, 0.0, motion[0]), where(free, 0.0, motion[1])
+        shape = -rest, 1.0, -rest
+        rates = -2 * R * dk2, dk2, 0.0, dk2
+        first, span, last = (ca, sa), (sine, cosine), (cb, sb)
+        motion = 0.0, 0.0
+    else:
+        k = square_root(k2)
+        shape = rest, k2, 0.0
+        rates = -2 * R * dk2, -dk2, dk2, 0.0
+        # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
+        # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
+        lower, upper = x * sb, W * sa
+        across = apart * k2 / (upper - lower) if lower < 0 else upper + lower
+        first, last = (-x / k, sa / k), (W / k, sb / k)
+        span = across / k2, (sa * sb - W * x) / k2
+        motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
     cos_a = x * square_root(2 * R * (rho_a + c)) / rho_a
     cos_b = -W * square_root(2 * R * (rho_b + c)) / rho_b
     return Integrand(c, shape, rates, first, span, last, motion, (cos_a, cos_b))
 
 
-def peaked(torus, ends, b, angle):
-    """Return where a way of `outer` may need three legs, lest its quadrature miss a peak.
+def second(torus, ends, u, sense):
+    """Return the `Integrand` of the geodesic that turns beyond the outer equator and rises to b.
 
-    `torus`, `ends` and b are those of `outer`. A way needs them where it nears a node, or an inner
-    equator, at its end at b, too, or passes by a node so closely as only ways do that turn by an
-    `angle` next to what half a swing turns there.
-    """
-    near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
-    low = (b < 0) & (near < NARROW * torus.R)
-    return low | (half_swing_by_the_node(torus) - angle < CLOSE)
-
-
-def half_swing_by_the_node(torus):
-    """Return the turned angle of half a swing that just misses the node, in rad."""
-    if torus.r >= torus.R:
-        return math.inf
-    return math.pi / math.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
-
-
-def in_legs(way):
-    """Return a way of `outer` in three legs, that begin or end where the integrands have peaks.
-
-    To the turning point, t = 0; on to the outer equator, t = pi/2; and to the end, from where it
-    is mirrored, for the integrands repeat backwards. What a way doesn't have is of no length.
-    """
-    (sine, cosine), (sine_b, cosine_b) = way.first, way.last
-    dfirst, dlast = way.motion
-    rising = sine < 0
-    below = cosine_b < 0
-    begin = larger(sine, 0.0), where(rising, 1.0, cosine)
-    up = where(rising, -sine, 0.0), where(rising, cosine, 1.0)
-    across = where(rising, sine_b, way.span[0])
-    along = where(rising, cosine_b, way.span[1])
-    down = where(below, begin[1], across), where(below, begin[0], along)
-    mirrored = where(below, sine_b, 1.0), where(below, -cosine_b, 0.0)
-    return (
-        _leg(way, begin, up, 0.0, -dfirst),
-        _leg(way, begin, down, 0.0, where(below, 0.0, dlast)),
-        _leg(way, mirrored, (mirrored[1], mirrored[0]), where(below, -dlast, 0.0), 0.0),
-    )
-
-
-def _leg(way, first, span, dfirst, dlast):
-    """Return a part of a way between other limits; the upper one is given by the span alone."""
-    motion = dfirst, dlast
-    return Integrand(way.c, way.shape, way.rates, first, span, first, motion, way.cosines)
-
-
-def second(torus, ends, u, sense=1):
-    """Return the geodesics that turn on the other side of the outer equator and rise to b.
-
-    They come to the parallel b a second time, after descending at once (u < 0) or after rising
-    above a (u > 0).
+    It comes to the parallel b a second time, after descending at once or after rising above a.
+    Its way needs `legs_of_second`.
 
     Parameters
     ----------
@@ -310,54 +233,35 @@ def second(torus, ends, u, sense=1):
         The surface.
     ends : Ends
         The ends.
-    u : (n,) float
+    u : float
         The unknown, any number: far from zero, c nears 0, or r - R on a ring.
-    sense : {1, -1}
+    sense : {1.0, -1.0}
         -1 if it is the negative of the unknown that is given.
-
-    Returns
-    -------
-    legs : list of Integrand
-        That of each u, in three legs, none with more than one turning point, where the integrands
-        have their peaks.
 
     Notes
     -----
     As `outer`, but for the end: t passes pi, where phi is least, and stops at 2 pi - t_b, with
-    sin(b/2) = k cos(t_b). The integrands repeat after pi, and backwards from any multiple of pi/2:
-    each leg is mirrored to where t is in [-pi/2, pi/2], and ends at pi/2.
+    sin(b/2) = k cos(t_b).
     """
     R = torus.R
     sa, sb, X = ends.sine_a, ends.sine_b, ends.room
-    grown = growth(smaller(2 * abs(u) / X, _farthest(torus)))
-    x = sense * np.copysign(X * (grown / (2 + grown)), u)
-    gap = 2 * X / (2 + grown)  # X - |x|
-    e = gap * (2 * X - gap)  # X^2 - x^2
-    c, rest, k2, k, W = _swing(torus, ends, x, e)
-    dx = sense * e / (X * X)
+    x, e, dx = _spread(torus, X, abs(u))
+    x = sense * math.copysign(x, u)
+    dx = sense * dx
+    c, rest, k2, W = _swing(torus, ends, x, e)
+    k = square_root(k2)
     dk2 = 2 * x * dx
-    dfirst = -sa * dx / k2
-    dlast = ratio(sb * x * dx, W * k2)
-    cos_a = x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a
-    cos_b = W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b
     shape = rest, k2, 0.0
     rates = -2 * R * dk2, -dk2, dk2, 0.0
-    # Down to the outer equator, on to its next crossing or to b, and up from there.
-    over = sb > 0
-    legs = []
-    for sine, cosine, speed in (
-        (-x / k, sa / k, dfirst),
-        (where(over, -1.0, -W / k), where(over, 0.0, -sb / k), where(over, 0.0, dlast)),
-        (where(over, W / k, 1.0), where(over, sb / k, 0.0), where(over, dlast, 0.0)),
-    ):
-        first, span = (sine, cosine), (cosine, sine)  # what is missing to a right angle
-        cosines = cos_a, cos_b
-        legs.append(Integrand(c, shape, rates, first, span, (1.0, 0.0), (speed, 0.0), cosines))
-    return legs
+    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
+    cos_a = x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a
+    cos_b = W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b
+    first, last = (-x / k, sa / k), (W / k, sb / k)
+    return Integrand(c, shape, rates, first, last, last, motion, (cos_a, cos_b))
 
 
 def inner(torus, ends, u):
-    """Return the geodesics that rise from a over phi = pi to b + 2 pi, on a ring torus.
+    """Return the `Integrand` of the geodesic that rises from a over phi = pi to b + 2 pi.
 
     Parameters
     ----------
@@ -365,18 +269,13 @@ def inner(torus, ends, u):
         The surface, a ring.
     ends : Ends
         The ends.
-    u : (...) float
+    u : float
         The unknown, from 0, the meridian, upwards.
-
-    Returns
-    -------
-    integrand : Integrand
-        That of each u.
 
     Notes
     -----
-    They have no turning point: t = (phi - pi)/2. c = (r - R) tanh(u) grows to that of the inner
-    equator, on which they turn the farther the nearer they come, again as a logarithm.
+    It has no turning point: t = (phi - pi)/2. c = (r - R) tanh(u) grows to that of the inner
+    equator, on which a geodesic turns the farther the nearer it comes, again as a logarithm.
     """
     R = torus.R
     narrow = torus.r - R
@@ -396,25 +295,148 @@ def inner(torus, ends, u):
     return Integrand(c, shape, rates, (-ca, sa), span, (cb, -sb), (0.0, 0.0), (cos_a, cos_b))
 
 
-def _farthest(torus):
-    """Return the greatest u / X, twice."""
-    # There the geodesic runs into the node, with a turn too sharp for the quadrature if it were
-    # followed farther, or turns many times.
-    return 600.0 if torus.r > torus.R else 60.0
+def wide(torus):
+    """Return whether `outer` counts by a logarithm what is left of the way to the meridian."""
+    return torus.r > 0.9 * torus.R
+
+
+def steepest(torus, ends):
+    """Return the unknown of `outer` that stands for the meridian, of a `torus` and its `ends`."""
+    return -(STEEPEST if wide(torus) else 1.0) * ends.meridian
+
+
+def _spread(torus, X, u):
+    """Return x = X tanh(u / X), X^2 - x^2 and the derivative of x, for u from 0 upwards.
+
+    On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle the
+    way turns ever more sharply by the node: this spreads both out.
+    """
+    # Beyond the farthest the geodesic runs into the node, with a turn too sharp for the
+    # quadrature, or turns many times.
+    farthest = 600.0 if torus.r > torus.R else 60.0
+    grown = growth(smaller(2 * u / X, farthest))
+    x = X * (grown / (2 + grown))
+    gap = 2 * X / (2 + grown)  # X - x, which would cancel where u is great
+    e = gap * (X + x)
+    return x, e, e / (X * X)
 
 
 def _swing(torus, ends, x, e):
-    """Return c, 1 - k^2, k^2, k, and W of `outer` from x and X^2 - x^2."""
+    """Return c, 1 - k^2, k^2, and W of `outer` from x and e = X^2 - x^2."""
     r, R = torus.r, torus.R
     x2 = x * x
-    k2 = ends.sine_a * ends.sine_a + x2
-    W = square_root(larger(ends.apart + x2, 0.0))
     c = 2 * R * e + (r - R if r > R else 0.0)
     rest = e + (0.0 if r >= R else (R - r) / (2 * R))
-    return c, rest, k2, square_root(k2), W
+    W = square_root(larger(ends.apart + x2, 0.0))
+    return c, rest, ends.sine_a * ends.sine_a + x2, W
 
 
-# ---- both integrals --------------------------------------------------------
+def peaked(torus, ends, b, angle):
+    """Return whether a way of `outer` may need three legs, lest its quadrature miss a peak.
+
+    The torus, its ends and b are those of `outer`. A way needs legs where it nears a node, or an
+    inner equator, at its end at b, too, or passes by a node so closely as only ways do that turn by
+    an `angle` next to what half a swing turns there.
+    """
+    near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
+    if b < 0 and near < NARROW * torus.R:
+        return True
+    return half_swing_by_the_node(torus) - angle < CLOSE
+
+
+def half_swing_by_the_node(torus):
+    """Return the turned angle of half a swing that just misses the node, in rad."""
+    if torus.r >= torus.R:
+        return math.inf
+    return math.pi / math.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
+
+
+def in_legs(way):
+    """Return a way of `outer` in three legs, which begin or end where the integrands have peaks.
+
+    To the turning point, t = 0; on to the outer equator, t = pi/2; and to the end, from where it
+    is mirrored, for the integrands repeat backwards. Legs that a way doesn't have are of no length.
+    """
+    (sine, cosine), (sine_b, cosine_b) = way.first, way.last
+    dfirst, dlast = way.motion
+    begin, up = (larger(sine, 0.0), cosine), (0.0, 1.0)
+    across, along = way.span
+    if sine < 0:
+        begin, up = (begin[0], 1.0), (-sine, cosine)
+        across, along = sine_b, cosine_b
+    down, mirrored = (across, along), (1.0, 0.0)
+    ddown, dmirrored = dlast, 0.0
+    if cosine_b < 0:
+        down, mirrored = (begin[1], begin[0]), (sine_b, -cosine_b)
+        ddown, dmirrored = 0.0, -dlast
+    return (
+        _leg(way, begin, up, (0.0, -dfirst)),
+        _leg(way, begin, down, (0.0, ddown)),
+        _leg(way, mirrored, (mirrored[1], mirrored[0]), (dmirrored, 0.0)),
+    )
+
+
+def legs_of_second(way):
+    """Return a way of `second` in three legs, none with more than one turning point.
+
+    Down to the outer equator, on to its next crossing or to b, and up from there. The integrands
+    repeat after pi, and backwards from any multiple of pi/2: each leg is mirrored to where t is in
+    [-pi/2, pi/2], and ends at pi/2.
+    """
+    (sine, cosine), (sine_b, cosine_b) = way.first, way.last
+    dfirst, dlast = way.motion
+    on, up = (-sine_b, -cosine_b), (1.0, 0.0)
+    don, dup = dlast, 0.0
+    if cosine_b > 0:
+        on, up = (-1.0, 0.0), (sine_b, cosine_b)
+        don, dup = 0.0, dlast
+    return (
+        _leg(way, way.first, (cosine, sine), (dfirst, 0.0)),
+        _leg(way, on, (on[1], on[0]), (don, 0.0)),
+        _leg(way, up, (up[1], up[0]), (dup, 0.0)),
+    )
+
+
+def _leg(way, first, span, motion):
+    """Return a part of a way between other limits; the upper one is given by the span alone."""
+    return Integrand(way.c, way.shape, way.rates, first, span, first, motion, way.cosines)
+
+
+# ---- both integrals ------------------------------------------------------------
+
+
+def integrate(torus, way, nodes, rows):
+    """Return the turned angle of a geodesic, its rate by the unknown, and the length.
+
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    way : Integrand
+        Constants and limits.
+    nodes : (shares and weights, count)
+        A quadrature's, of which so many count, see `rule`.
+    rows : (3, m) float
+        Room for what nodes add.
+
+    Returns
+    -------
+    turned, rate, length : float
+        In rad, rad and m.
+    """
+    shares, count = nodes
+    add_nodes(torus, way, shares, rows)
+    turned, rate, length = folded(rows, count)
+    return turned, rate + moving(torus, way), length
+
+
+def integrate_in_legs(torus, legs, nodes, rows):
+    """Return what `integrate` does for a way in three `legs`; torus, nodes and rows as there."""
+    turned = rate = length = 0.0
+    for leg in legs:
+        parts = integrate(torus, leg, nodes, rows)
+        turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
+    return turned, rate, length
 
 
 def add_nodes(torus, way, nodes, rows):
@@ -425,9 +447,9 @@ def add_nodes(torus, way, nodes, rows):
     torus : Torus
         The surface.
     way : Integrand
-        Constants and limits, numbers or (n,) each.
+        Constants and limits.
     nodes : (2, k) float
-        Shares and weights, numbers or a column each.
+        Shares and weights.
     rows : (3, k) float
         Filled with parts of the turned angle, of its rate by the unknown, and of the length.
     """
@@ -483,10 +505,9 @@ def _stretched(torus, way):
     tangent = sine / (1 + cosine)  # of half of the lower limit
     first = tangent / (1 + square_root(1 + tangent * tangent))
     # Half of the span, by the root of what doesn't cancel.
-    short = along > 0
     long_side = square_root((1 + abs(along)) / 2)
     short_side = across / (2 * long_side)
-    reach = where(short, short_side, long_side) / (1 + where(short, long_side, short_side))
+    reach = short_side / (1 + long_side) if along > 0 else long_side / (1 + short_side)
     width = reach * (1 + first * first) / (1 - first * reach)  # tan(t/4) grows by it
     last = first + width
     # sinh(h) where D or rho is zero, at t = i h, the nearer of both; then tan(i h/4) / i.
@@ -503,10 +524,12 @@ def _stretched(torus, way):
     root_z = square_root(1 + z * z)
     # The hyperbolic sine of the difference of y. Far from the turning point it cancels, on a short
     # way nearly all of it: there it is the difference of the squares, (z - x)(z + x), over the sum.
-    right = x > 0
-    shared = where(right, z * root_x + x * root_z, 1.0)
-    apart = where(right, width / a0 * (x + z) / shared, z * root_x - x * root_z)
-    lead = where(right, x + root_x, 1 / (root_x - x))
+    if x > 0:
+        lead = x + root_x
+        apart = width / a0 * (x + z) / (z * root_x + x * root_z)
+    else:
+        lead = 1 / (root_x - x)
+        apart = z * root_x - x * root_z
     return lead, z + root_z, a0 / 2, area_sine(apart)
 
 
@@ -546,7 +569,7 @@ def folded(rows, count):
     return turned_sum, rate_sum, length_sum
 
 
-# ---- the root ----------------------------------------------------------------
+# ---- the root ------------------------------------------------------------------
 
 
 @cache
@@ -561,11 +584,11 @@ def rule(count):
 
 def on_working_sheet(torus, a, angle):
     """Return where few nodes do, found by doubling them until nothing changed."""
-    return (torus.r <= torus.R / 4) & (a <= 1) & (angle <= 2)
+    return torus.r <= torus.R / 4 and a <= 1 and angle <= 2
 
 
-def find_root(torus, ends, angle, begin, outside, hard, nodes, rows):
-    """Return the way of `outer`, or else of `inner`, that turns by an angle, of plain numbers.
+def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
+    """Return the way of a class that turns by an angle.
 
     Parameters
     ----------
@@ -577,133 +600,67 @@ def find_root(torus, ends, angle, begin, outside, hard, nodes, rows):
         The turned angle, in rad.
     begin : (u, scale, low)
         As by `start`.
-    outside, hard : bool
-        Whether it is of `outer`, and one that takes three legs.
-    nodes : (shares and weights, count)
-        A quadrature's, of which so many count.
-    rows : (3, m) float
-        Room for what nodes add.
+    family : int
+        OUTSIDE, INSIDE, PAST or BEFORE.
+    hard : bool
+        Whether it is one of `outer` that takes three legs.
+    nodes, rows
+        As of `integrate`.
 
     Returns
     -------
-    settled : bool
-        Whether Newton's method came to an end.
+    found : bool
+        Whether there is such a way.
     length, c, cos_a, cos_b : float
         Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
     """
     u, scale, low = begin
     high = math.inf
     before = 0.0
-    total = math.nan
+    total = reached = math.nan
     done = False
     for _ in range(ROUNDS):
-        way = outer(torus, ends, u) if outside else inner(torus, ends, u)
+        way = way_of(family, torus, ends, u)
         if done:  # this call of the class was for the azimuths at the last unknown alone
             return True, total, way.c, way.cosines[0], way.cosines[1]
-        if hard:
-            turned = rate = length = 0.0
-            for leg in in_legs(way):
-                parts = _summed(torus, leg, nodes, rows)
-                turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
-        else:
-            turned, rate, length = _summed(torus, way, nodes, rows)
+        turned, rate, length = integrate_way(torus, way, family, hard, nodes, rows)
         miss = angle - turned
         low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
         # For a given angle the length is stationary in c: what u lacked hardly matters.
         total = length + way.c * miss
-        reached = turned + where(step == 0, 0.0, rate * step)
+        reached = turned + (rate * step if step != 0 else 0.0)  # with a level start no rate
         if done and not abs(reached - angle) <= AGREES:
             break  # the class ends before it turns so far
+    else:
+        # On what is nearly a sphere all ways of a class may turn by the same to the last digit:
+        # then any u will do, however far the last step was.
+        way = way_of(family, torus, ends, u)
+        turned, _, length = integrate_way(torus, way, family, hard, nodes, rows)
+        if abs(turned - angle) * max(torus.r / torus.R, 1.0) <= AGREES:
+            total = length + way.c * (angle - turned)
+            return True, total, way.c, way.cosines[0], way.cosines[1]
     return False, math.nan, math.nan, math.nan, math.nan
 
 
-def _summed(torus, way, nodes, rows):
-    """Return what `integrate` does, by the nodes of a rule, of which so many count."""
-    shares, count = nodes
-    add_nodes(torus, way, shares, rows)
-    turned, rate, length = folded(rows, count)
-    return turned, rate + moving(torus, way), length
+def way_of(family, torus, ends, u):
+    """Return the `Integrand` of a class, `family`, at u; torus, ends and u are as of `outer`."""
+    if family == OUTSIDE:
+        return outer(torus, ends, u)
+    if family == INSIDE:
+        return inner(torus, ends, u)
+    return second(torus, ends, u, 1.0 if family == PAST else -1.0)
 
 
-@np.errstate(divide="ignore", invalid="ignore")
-def solve(family, torus, ends, a, b, angle, low=None):
-    """Return the geodesics of a class whose turned angle is the given one.
+def integrate_way(torus, way, family, hard, nodes, rows):
+    """Return what `integrate` does for a way of a class, `family`, in legs where it is `hard`.
 
-    Parameters
-    ----------
-    family : callable
-        `outer`, `inner` or `second`: a function of torus, ends and the unknown.
-    torus : Torus
-        The surface.
-    ends : Ends
-        Of the geodesics.
-    a, b : (n,) float
-        Angles phi of the ends, in rad, |b| <= a.
-    angle : (n,) float
-        Turned angles, in rad, above zero.
-    low : (n,) float, optional
-        Where the unknown starts from if not from the class's least.
-
-    Returns
-    -------
-    found : (5, n) float
-        The turned angle that was reached, in rad, to be compared with the given one; length and
-        Clairaut's constant, in m; the cosines of the azimuths at a and b. NaN where Newton's
-        method doesn't settle.
+    The other arguments, torus, nodes and rows, are those of `integrate`.
     """
-    found = np.full((5, a.size), np.nan)
-    if low is not None:
-        begin = low + 0.25, np.full_like(low, ROUNDING), low
-    elif family is outer:
-        begin = start(torus, ends, a, b, angle)
-    else:
-        begin = np.full_like(a, 0.5), np.zeros_like(a), np.zeros_like(a)
-    few = on_working_sheet(torus, a, angle)
-    many = NODES_OF_RING if torus.r > torus.R else NODES
-    hard = ~few & peaked(torus, ends, b, angle) if family is outer else np.zeros_like(few)
-    for count, form, which in (
-        (NODES_OF_WORKING_SHEET, family, few),
-        (many, family, ~few & ~hard),
-        (many, _outer_in_legs, hard),
-    ):
-        index = np.flatnonzero(which)
-        for first in range(0, index.size, BLOCK):
-            block = index[first : first + BLOCK]
-            some = (Ends(*(value[block] for value in ends)), angle[block])
-            found[:, block] = _newton(form, torus, *some, *(v[block] for v in begin), count)
-    return found
-
-
-def integrate(torus, way, count):
-    """Return the turned angle of geodesics, its rate by the unknown, and the length.
-
-    Parameters
-    ----------
-    torus : Torus
-        The surface.
-    way : Integrand or list of Integrand
-        Constants and limits of n geodesics, or of the legs of each.
-    count : int
-        Number of nodes of a Gauss-Legendre quadrature.
-
-    Returns
-    -------
-    turned, rate, length : (n,) float
-        In rad, rad and m.
-    """
-    if isinstance(way, list):
-        turned, rate, length = zip(*(integrate(torus, leg, count) for leg in way), strict=True)
-        return sum(turned), sum(rate), sum(length)
-    columns = [[row[:, None]] for row in rule(count)]
-    rows = [[None], [None], [None]]
-    add_nodes(torus, way, columns, rows)
-    turned, rate, length = folded([values for (values,) in rows], count // 2)
-    return turned, rate + moving(torus, way), length
-
-
-def _outer_in_legs(torus, ends, u):
-    """Return `outer` as a list of legs."""
-    return list(in_legs(outer(torus, ends, u)))
+    if family > INSIDE:
+        return integrate_in_legs(torus, legs_of_second(way), nodes, rows)
+    if hard:
+        return integrate_in_legs(torus, in_legs(way), nodes, rows)
+    return integrate(torus, way, nodes, rows)
 
 
 def newton(u, miss, rate, scale, low, high, before):
@@ -713,70 +670,32 @@ def newton(u, miss, rate, scale, low, high, before):
     gains with u, both in rad; u came `before` far to where it is, and is of some `scale`.
     """
     # The turned angle grows with u: the sign of the miss says on which side the root is.
-    low = where(miss > 0, u, low)
-    high = where(miss < 0, u, high)
+    if miss > 0:
+        low = u
+    if miss < 0:
+        high = u
     # Beyond the end of a class nothing changes, and the end may be the answer.
-    step = where((miss == 0) | (rate == 0), 0.0, ratio(miss, rate))
-    onward = (rate != 0) | (abs(miss) <= AGREES)
+    step = 0.0 if miss == 0 or rate == 0 else miss / rate
+    onward = rate != 0 or abs(miss) <= AGREES
     # A step that leaves the bracket, or isn't a number, gives way to halving it, and so does one
     # that goes back nearly as far as u came, lest two swing to and fro for ever; while nothing was
     # too far yet, u doubles at most, for a rate near zero would throw it where none comes back.
-    onward &= (before == 0) | ((step > 0) == (before > 0)) | (abs(step) <= 0.9 * abs(before))
-    endless = high == np.inf
-    most = where(endless, 2 * abs(u) + 0.5, high)
-    sound = (low <= u + step) & (u + step <= most) & onward
-    halved = where(endless, most, (low + high) / 2)
+    if not (before == 0 or (step > 0) == (before > 0) or abs(step) <= 0.9 * abs(before)):
+        onward = False
+    endless = high == math.inf
+    most = 2 * abs(u) + 0.5 if endless else high
+    sound = onward and low <= u + step <= most
+    halved = most if endless else (low + high) / 2
     # The second condition: where nothing turns so far, u grows until any step is small.
-    done = sound & (abs(step) <= STEP * (abs(u) + scale)) & (abs(miss) < NEAR)
-    new = where(sound, u + step, halved)
+    done = sound and abs(step) <= STEP * (abs(u) + scale) and abs(miss) < NEAR
+    new = u + step if sound else halved
     return low, high, new - u, step, new, done
-
-
-def _newton(family, torus, ends, angle, u, scale, low, count):
-    """Return what `solve` does for geodesics of one form, each sought from u above `low`."""
-    high = np.full_like(u, np.inf)
-    before = np.zeros_like(u)
-    left = np.arange(u.size)
-    found = np.full((5, u.size), np.nan)
-    for _ in range(2 * ROUNDS):  # the last hundred for unknowns of 1e-30
-        way = family(torus, ends, u)
-        turned, rate, length = integrate(torus, way, count)
-        miss = angle - turned
-        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
-        if np.any(done):
-            last = _only(ends, done)
-            end = family(torus, last, u[done])
-            now, end = (one[-1] if isinstance(one, list) else one for one in (way, end))
-            # For a given angle the length is stationary in c: what u lacked hardly matters.
-            reached = turned + where(step == 0, 0.0, rate * step)  # with a level start no rate
-            total = length + now.c * miss
-            found[:, left[done]] = reached[done], total[done], end.c, *end.cosines
-            if np.all(done):
-                return found
-        # The others go on without those that are done.
-        ends = _only(ends, ~done)
-        angle, u, scale, low, high, before, left = (
-            array[~done] for array in (angle, u, scale, low, high, before, left)
-        )
-    # On what is nearly a sphere all ways of a class may turn by the same to the last digit: then
-    # any u will do, however far the last step was.
-    way = family(torus, ends, u)
-    turned, _, length = integrate(torus, way, count)
-    end = way[-1] if isinstance(way, list) else way
-    near = np.abs(turned - angle) * max(torus.r / torus.R, 1) <= AGREES
-    turned = np.where(near, turned, np.nan)
-    found[:, left] = turned, length + end.c * (angle - turned), end.c, *end.cosines
-    return found
-
-
-def _only(ends, which):
-    return Ends(*(value[which] for value in ends))
 
 
 def start(torus, ends, a, b, angle):
     """Return a first guess for `outer`, the scale of the unknown near zero, and its least value.
 
-    On a `torus`, between `ends` at phi = a and b, for ways that turn by an `angle`, in rad.
+    On a `torus`, between `ends` at phi = a and b, for a way that turns by an `angle`, in rad.
     """
     R = torus.R
     rho_a = ends.rho_a
@@ -792,22 +711,22 @@ def start(torus, ends, a, b, angle):
     x = sine * rho_a / square_root(2 * R * rho_a * (1 + along / size))
     X = ends.room
     # From x to u, kept off both ends of the class.
-    share = smaller(larger(x / X, 0.0), 0.95)
     guess = 0.99 * x
-    if some(x > 0):
-        risen = X * area_sine(share / square_root((1 - share) * (1 + share)))
-        guess = where(x > 0, risen, guess)
+    if x > 0:
+        share = smaller(x / X, 0.95)
+        guess = X * area_sine(share / square_root((1 - share) * (1 + share)))
     # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
-    if wide(torus):
+    if wide(torus) and x < -STEEP * ends.meridian:
         L = ends.meridian
         rest = rho_a * (along / size) / (2 * R) / (L * (L - x))
         times = square_root((1 - STEEP) / larger(smaller(rest, 1 - STEEP), 1e-299))
         far = 2 * area_sine((times - 1 / times) / 2)
-        guess = where(x < -STEEP * L, -L * (STEEP + (1 - STEEP) * far), guess)
-    guess = where(a > 0, guess, X / 2)  # from the outer equator it has to rise somehow
+        guess = -L * (STEEP + (1 - STEEP) * far)
+    if not a > 0:
+        guess = X / 2  # from the outer equator it has to rise somehow
     # Steps are judged against |u| and this scale, lest a root near zero be sought for ever. With
     # b > 0 so large a scale would let them end too early near the inner equator, where roots are
     # small themselves; one that asks for steps of rounding size doesn't.
     # By a node the whole class is no longer than X.
-    scale = smaller(where(b <= 0, ends.sine_a, ROUNDING), X)
+    scale = smaller(ends.sine_a if b <= 0 else ROUNDING, X)
     return guess, scale, steepest(torus, ends)

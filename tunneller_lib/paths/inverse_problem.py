@@ -1,14 +1,15 @@
 """The inverse problem: the shortest geodesic between two positions on a torus, and its rivals.
 
-Clairaut's first integral turns it into one equation for each class of geodesics; the direct
-problem, which follows a geodesic from its start, checks it. Ends come in a normal form; `answer` is
-the whole way from two ends to numbers, for plain numbers and compiled loops; arrays take the same
-steps for all pairs at once. Kinds and certificates are codes, places in `KINDS` and `CERTIFICATES`.
+Clairaut's first integral turns it into one equation for each class of geodesics (`geodesic_root`);
+the direct problem, which follows a geodesic from its start, checks it. Ends come in a normal form,
+and each class answers with a `Way`. The functions take plain numbers, one pair of ends at a time,
+and run as they stand or compiled, with the same bits. Kinds and certificates are codes, places in
+`KINDS` and `CERTIFICATES`.
 """
 
 import math
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -16,38 +17,38 @@ import numpy as np
 from ..arguments import Positions, checked, none_outside
 from ..kernels import compiled
 from ..kernels.compiled import loop
-from ..kernels.elementwise import NUMBERS, PLAIN, divided, larger, ratio, some, square_root, where
+from ..kernels.elementwise import IEEE, NUMBERS, PLAIN, divided, larger, ratio, square_root
 from ..kernels.exact import two_sum
-from ..kernels.repeatable import arctangent, reduced
+from ..kernels.repeatable import arctangent, reduced, sine_cosine
 from ..surfaces import Torus
 from .bounds import Count, check_ratio
 from .direct_problem import followed
 from .geodesic_root import (
-    AGREES,
+    BEFORE,
+    INSIDE,
     NODES,
     NODES_OF_RING,
     NODES_OF_WORKING_SHEET,
+    OUTSIDE,
+    PAST,
     PI_REST,
+    ROUNDING,
     Radii,
     ends_at,
     find_root,
     half_angles,
     half_swing_by_the_node,
-    inner,
-    integrate,
+    integrate_way,
     on_working_sheet,
-    outer,
     peaked,
     rule,
-    second,
-    solve,
     start,
+    way_of,
 )
 
 KINDS = np.array(["none", "point", "meridian", "outer", "inner"])
 CERTIFICATES = np.array(["", "meridian", "only", "first"])
 NONE, POINT, MERIDIAN, OUTER, INNER = range(len(KINDS))
-OPEN = len(KINDS)  # plain numbers leave the pair to arrays
 
 LEVEL = 1e-30  # of the way along it, ends nearer to the outer equator count as on it
 NEAR = 1e-45  # of R, a shorter way is straight; products of four lengths would vanish
@@ -57,11 +58,11 @@ CLASSES = 8  # of `competing_geodesics`
 FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
 NEAREST = 1e-9  # of the same: at zero the outer equator would leave no quadrature
 HALVINGS = 30
-BLOCK = 8192  # pairs at a time: they need the same room however many there are
-FEW = 12  # pairs, which plain numbers answer sooner than arrays
-# s for a pair, on the working sheet and on a ring.
-BY_ARRAYS = 8e-6, 35e-6
-ONE_BY_ONE = 1e-4, 4e-4
+BLOCK = 8192  # pairs at a time, compiled: they need the same room however many there are
+PLAIN_BLOCK = 16  # pairs at a time in plain Python, which are asked again where numbers over- or
+# underflow, by numbers that divide by zero and are ten times as slow
+SECONDS = 1e-4, 4e-4  # for a pair in plain Python, on the working sheet and on a ring
+SECONDS_OF_RIVALS = 3e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,22 +212,13 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     (nan, 'none')
     """
     check_ratio(torus)
-    if p.shape != q.shape:
-        p, q = np.broadcast_arrays(p, q)
-    shape = p.shape[:-1]
-    ends = turn_and_ends(p, q)
+    p, q = np.broadcast_arrays(p, q)
     size, unit = radii(torus)
-    answers = np.empty((6, len(ends)))
-    each = ONE_BY_ONE if len(ends) <= FEW else BY_ARRAYS
-    compiled.expect(each[size.r > size.R] * len(ends), "geodesics")
-
-    def fill(block):
-        answers[:, block] = _answers(size, ends[block])
-
-    compiled.each_block(fill, len(ends), BLOCK, "geodesics")
-    answers[0:4:3] *= unit  # length and Clairaut's constant
-    fields = *answers[:4], *answers[4:].astype(np.uint8)
-    return Geodesic(torus, p, q, *(one.reshape(shape)[()] for one in fields))
+    seconds = SECONDS[size.r > size.R]
+    length, first, last, c, kind, why = _answers(find, size, turn_and_ends(p, q), 6, seconds)
+    codes = kind.astype(np.uint8), why.astype(np.uint8)
+    fields = length * unit, first, last, c * unit, *codes
+    return Geodesic(torus, p, q, *(one.reshape(p.shape[:-1])[()] for one in fields))
 
 
 @checked
@@ -268,25 +260,16 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
     size, unit = radii(torus)
-    pair = normal_form(size, *turn_and_ends(p, q).T)
-    least = _least_second(size, pair)
-    long_way = pair._replace(angle=2 * np.pi - pair.angle, side=-pair.side)
-    # Both at once, which takes a pair hardly longer than one.
-    both = EndPair(*(np.concatenate(two, axis=-1) for two in zip(pair, long_way, strict=True)))
-    later = _second_arrivals(size, both, np.tile(least, 2))
-    classes = _near_side(size, both), *later, _inside(size, both)
-    found = [(one.length, *azimuths(both, one), one.kind) for one in classes]
-    *answers, kinds = (
-        np.concatenate(np.split(np.stack(field), 2, axis=1)) for field in zip(*found, strict=True)
-    )
-    order = np.argsort(answers[0], axis=0)  # NaN comes last
-    *answers, kinds = (np.take_along_axis(field, order, axis=0) for field in (*answers, kinds))
-    certificates = np.zeros_like(kinds)
-    certificates[0] = certificate(size, pair, kinds[0])
-    answers = [answers[0] * unit, *answers[1:3], answers[3] * unit]
+    ends = turn_and_ends(p, q)
+    found = _answers(find_rivals, size, ends, 6 * CLASSES, SECONDS_OF_RIVALS)
+    found = found.reshape(CLASSES, 6, len(ends))
+    order = np.argsort(found[:, :1], axis=0)  # NaN comes last
+    length, first, last, c, kind, why = np.moveaxis(np.take_along_axis(found, order, axis=0), 1, 0)
+    why[1:] = 0
     shape = CLASSES, *p.shape[:-1]
-    fields = (one.reshape(shape) for one in (*answers, kinds, certificates))
-    return Geodesic(torus, *(np.broadcast_to(end, (*shape, 2)) for end in (p, q)), *fields)
+    fields = length * unit, first, last, c * unit, kind.astype(np.uint8), why.astype(np.uint8)
+    p, q = (np.broadcast_to(end, (*shape, 2)) for end in (p, q))
+    return Geodesic(torus, p, q, *(one.reshape(shape) for one in fields))
 
 
 # ---- ends, and ways that need no search --------------------------------------
@@ -295,18 +278,18 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
 class EndPair(NamedTuple):
     """Ends in normal form: from phi = a >= 0 to phi = b, |b| <= a, turning by an angle >= 0.
 
-    What made them so: `mirror` is -1 where phi was mirrored, `side` -1 where theta was, `swap`
-    tells where the ends were exchanged. `on_sheet` tells where both are on the working sheet,
+    `mirror` is -1 where phi was mirrored to make them so, `side` is -1 where theta was, and `swap`
+    tells whether the ends were exchanged. `on_sheet` tells whether both are on the working sheet,
     `halves` are the `half_angles` of both.
     """
 
-    a: np.ndarray
-    b: np.ndarray
-    angle: np.ndarray
-    mirror: np.ndarray
-    side: np.ndarray
-    swap: np.ndarray
-    on_sheet: np.ndarray
+    a: float
+    b: float
+    angle: float
+    mirror: float
+    side: float
+    swap: bool
+    on_sheet: bool
     halves: tuple
 
 
@@ -315,19 +298,19 @@ class Way(NamedTuple):
 
     Parameters
     ----------
-    kind : (...) int
+    kind : int
         Its code.
-    length, c : (...) float
+    length, c : float
         Its length and Clairaut's constant, in m.
-    cos_a, cos_b : (...) float
+    cos_a, cos_b : float
         Cosines of its azimuths.
     """
 
-    kind: np.ndarray
-    length: np.ndarray
-    c: np.ndarray
-    cos_a: np.ndarray
-    cos_b: np.ndarray
+    kind: int
+    length: float
+    c: float
+    cos_a: float
+    cos_b: float
 
 
 def radii(torus):
@@ -359,49 +342,48 @@ def normal_form(torus, turn, phi1, phi2):
     angle = abs(turn)
     # The end farther from the outer equator comes first, mirrored to phi >= 0.
     swap = abs(phi2) > abs(phi1)
-    a = where(swap, phi2, phi1)
-    b = where(swap, phi1, phi2)
-    mirror = where(a < 0, -1.0, 1.0)
+    a, b = (phi2, phi1) if swap else (phi1, phi2)
+    mirror = -1.0 if a < 0 else 1.0
     a = a * mirror
     b = b * mirror
     # So near the outer equator, for their turn, ends are on it to the last digit of the way between
     # them and of its azimuths, and products of their sines would vanish.
-    flat = torus.R * a < LEVEL * ((torus.r + torus.R) * angle)
-    a = where(flat, 0.0, a)
-    b = where(flat, 0.0, b)
+    if torus.R * a < LEVEL * ((torus.r + torus.R) * angle):
+        a = b = 0.0
     halves = half_angles(torus, a, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
     rho_a, _ = halves[4:]
-    on_sheet = rho_a > 0
-    return EndPair(a, b, angle, mirror, where(turn < 0, -1.0, 1.0), swap, on_sheet, halves)
+    return EndPair(a, b, angle, mirror, -1.0 if turn < 0 else 1.0, swap, rho_a > 0, halves)
+
+
+def nothing():
+    """Return the `Way` that says that there is none."""
+    return Way(NONE, math.nan, math.nan, math.nan, math.nan)
 
 
 def level(torus, pair):
     """Return as a `Way` what needs no search: a meridian, the outer equator, ends all but one."""
     a, b, angle = pair.a, pair.b, pair.angle
-    # On one meridian c = 0, the end of the class, which a search would only near.
-    meridian = pair.on_sheet & (angle == 0)
+    span = torus.r + torus.R
     # The outer equator is shortest up to its conjugate point. In the class it is u = 0, where
     # sin(phi/2) vanishes all along and leaves no quadrature.
-    equator = (angle > 0) & (a == 0) & (angle <= conjugate_turn(torus))
-    span = torus.r + torus.R
-    kind = where(equator, OUTER, where(meridian, where(a == b, POINT, MERIDIAN), NONE))
-    length = where(equator, span * angle, where(meridian, torus.R * (a - b), math.nan))
-    c = where(equator, span, where(meridian, 0.0, math.nan))
-    cosine = where(equator, 0.0, where(meridian, -1.0, math.nan))
-    near = pair.on_sheet & (kind == NONE) & (span * angle < NEAR * torus.R) & (a - b < NEAR)
-    if some(near):
+    if angle > 0 and a == 0 and angle <= conjugate_turn(torus):
+        return Way(OUTER, span * angle, span, 0.0, 0.0)
+    if not pair.on_sheet:
+        return nothing()
+    # On one meridian c = 0, the end of the class, which a search would only near.
+    if angle == 0:
+        return Way(POINT if a == b else MERIDIAN, torus.R * (a - b), 0.0, -1.0, -1.0)
+    if span * angle < NEAR * torus.R and a - b < NEAR:
+        # So near to each other that the surface is the tangent plane between them.
         rho_a, _ = pair.halves[4:]
-        across = where(near, rho_a * (LARGE * angle), 1.0)
-        down = where(near, torus.R * (LARGE * (a - b)), 0.0)
+        across = rho_a * (LARGE * angle)
+        down = torus.R * (LARGE * (a - b))
         most = larger(across, down)  # over it, squares are neither too small nor too large
-        part, rest = ratio(across, most), ratio(down, most)
+        part, rest = across / most, down / most
         size = most * square_root(part * part + rest * rest)
-        kind = where(near, OUTER, kind)
-        length = where(near, size / LARGE, length)
-        c = where(near, rho_a * ratio(across, size), c)
-        cosine = where(near, -ratio(down, size), cosine)
-    return Way(kind, length, c, cosine, 1.0 * cosine)  # arrays of their own
+        return Way(OUTER, size / LARGE, rho_a * (across / size), -(down / size), -(down / size))
+    return nothing()
 
 
 def through(torus, pair):
@@ -420,26 +402,205 @@ def azimuths(pair, way):
     """Return the azimuths at the ends as they were given, and c."""
     # Where the ends were exchanged the way is gone backwards: that changes the sign of the cosine,
     # and of the sine twice, since the turn is reckoned from the other end, too.
-    back = pair.mirror * where(pair.swap, -1.0, 1.0)
+    back = -pair.mirror if pair.swap else pair.mirror
     c = pair.side * way.c
+    if way.kind <= POINT:  # which has no direction
+        return math.nan, math.nan, c
     rho_a, rho_b = pair.halves[4:]
     first = arctangent(ratio(c, rho_a), back * way.cos_a)
     last = arctangent(ratio(c, rho_b), back * way.cos_b)
-    undirected = way.kind <= POINT
-    first = where(undirected, math.nan, first)
-    last = where(undirected, math.nan, last)
-    return where(pair.swap, last, first), where(pair.swap, first, last), c
+    return (last, first, c) if pair.swap else (first, last, c)
 
 
 def certificate(torus, pair, kind):
     """Return the code of why a way of some kind is the shortest."""
+    if kind == NONE:
+        return 0
+    if kind == MERIDIAN or kind == POINT:
+        return 1
     # Within half of the shortest swing there is no second arrival.
-    only = (pair.angle <= conjugate_turn(torus)) & (pair.angle < math.pi)
-    found = where((kind == MERIDIAN) | (kind == POINT), 1, where(only, 2, 3))
-    return where(kind == NONE, 0, found)
+    return 2 if pair.angle <= conjugate_turn(torus) and pair.angle < math.pi else 3
 
 
-# ---- the shortest way ---------------------------------------------------------
+# ---- ways that are searched ----------------------------------------------------
+
+
+def near_side(torus, pair, rules, rows):
+    """Return the way over the side of the farther end, or down the outside of a meridian.
+
+    Parameters
+    ----------
+    torus : Radii
+        The surface.
+    pair : EndPair
+        The ends.
+    rules : tuple
+        Three quadratures: for the working sheet, for what nears a node or the inner equator, and
+        the finest; each `padded` or `listed`, and how many of its nodes count.
+    rows : (3, m) float
+        Room for what nodes add, m at least as many as there are.
+    """
+    way = level(torus, pair)
+    # Half a swing is more than half a turn, but for rounding on what is nearly a sphere.
+    most = larger(half_swing_by_the_node(torus), math.pi)
+    if not pair.on_sheet or way.kind != NONE or pair.angle > most:
+        return way
+    return search(torus, pair, OUTSIDE, math.nan, rules, rows)
+
+
+def far_side(torus, pair, rules, rows):
+    """Return the way over a ring's inner equator or a horn's node, or along either equator.
+
+    The arguments torus, pair, rules and rows are those of `near_side`.
+    """
+    a, b, angle = pair.a, pair.b, pair.angle
+    span = torus.r + torus.R
+    narrow = torus.r - torus.R
+    if a == 0 and angle > conjugate_turn(torus):
+        # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
+        return Way(OUTER, span * angle, span, 0.0, 0.0)
+    if narrow < 0 or not pair.on_sheet:  # the working sheet of a spindle ends at its nodes
+        return nothing()
+    if a == math.pi and abs(b) == math.pi:
+        # Along the inner equator c = r - R, the class's other end.
+        if angle == 0:
+            return Way(POINT, 0.0, 0.0, 0.0, math.nan)
+        return Way(INNER, narrow * angle, narrow, 0.0, 0.0)
+    two_ends = b < 0 or a > b
+    if angle == 0:
+        # Round the tube the other way.
+        round_ = through(torus, pair)
+        return Way(MERIDIAN, round_.length, 0.0, 1.0, 1.0) if two_ends else nothing()
+    if narrow == 0:
+        # Both nodes of a horn are one point: any way through it enters above and leaves below.
+        return through(torus, pair) if two_ends and angle <= math.pi else nothing()
+    return search(torus, pair, INSIDE, math.nan, rules, rows) if a > 0 else nothing()
+
+
+def shortest(torus, pair, rules, rows):
+    """Return the shortest `Way` between ends.
+
+    The arguments torus, pair, rules and rows are those of `near_side`.
+    """
+    outside = near_side(torus, pair, rules, rows)
+    # Over the inner equator only between opposite halves: else the outside is shorter.
+    on_inner = pair.a == math.pi and abs(pair.b) == math.pi
+    if torus.r < torus.R or not (pair.b < 0 or on_inner):
+        return outside
+    inside = far_side(torus, pair, rules, rows)
+    if inside.kind != NONE and (outside.kind == NONE or inside.length < outside.length):
+        return inside
+    return outside
+
+
+def search(torus, pair, family, least, rules, rows):
+    """Return the way of a class that reaches the turned angle, or none.
+
+    The class is `family`, and `least` the unknown of `second` from which it starts, else not a
+    number; the others, torus, pair, rules and rows, are those of `near_side`.
+    """
+    a, b, angle = pair.a, pair.b, pair.angle
+    few, many, most = rules
+    ends = ends_at(torus, a, b, pair.halves)
+    sheet = on_working_sheet(torus, a, angle)
+    hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
+    begin = 0.5, 0.0, 0.0
+    if family > INSIDE:
+        begin = least + 0.25, ROUNDING, least
+    elif family == OUTSIDE:
+        begin = start(torus, ends, a, b, angle)
+    nodes = few if sheet else many
+    kind = INNER if family == INSIDE else OUTER
+    found = find_root(torus, ends, angle, begin, family, hard, nodes, rows)
+    if found[0] or torus.r <= torus.R or family > INSIDE:
+        return Way(kind, *found[1:]) if found[0] else nothing()
+    # A ring's way may turn so often that c can't tell it from the inner equator.
+    far = WOUND * (ends.cosine_a if family == OUTSIDE else 1.0)
+    far_way = way_of(family, torus, ends, far)
+    turned, _, _ = integrate_way(torus, far_way, family, False, most, rows)
+    return _wound(torus, pair, family, most) if turned < angle else nothing()
+
+
+def _wound(torus, pair, family, nodes):
+    """Return the way of a ring that follows its inner equator to the last digit of c.
+
+    In a given class length = c angle + int R sqrt(1 - c^2 / rho^2) dphi is stationary in c; so
+    c = r - R will do.
+    """
+    c = torus.r - torus.R
+    first, cos_a = _from_inner_equator(torus, math.pi - pair.a, nodes)
+    end = abs(pair.b) if family == INSIDE else pair.b
+    last, cos_b = _from_inner_equator(torus, math.pi - end, nodes)
+    length = c * pair.angle + torus.R * (first + last)
+    if family == INSIDE:
+        return Way(INNER, length, c, cos_a, cos_b)
+    return Way(OUTER, length, c, cos_a, -cos_b)
+
+
+def _from_inner_equator(torus, z, nodes):
+    """Return int sqrt(1 - c^2 / rho^2) dz from 0 to z, c = r - R, and the integrand at z.
+
+    z, in rad, counts from the inner equator of a ring.
+    """
+    shares, count = nodes
+    total = 0.0
+    for k in range(count):
+        one, other = z * shares[0][k], z * (1 - shares[0][k])
+        total += shares[1][k] * (_cosine_at(torus, one) + _cosine_at(torus, other))
+    return z * total, _cosine_at(torus, z)
+
+
+def _cosine_at(torus, z):
+    """Return the cosine of the azimuth, sqrt(1 - c^2 / rho^2), at z from the inner equator."""
+    # rho^2 - c^2 = (rho - c)(rho + c), of which the first factor is 2 R sin^2(z/2).
+    c = torus.r - torus.R
+    sine, _ = sine_cosine(z / 2)
+    rho = c + 2 * torus.R * (sine * sine)
+    return sine * square_root(2 * torus.R * (rho + c)) / rho
+
+
+def second_arrivals(torus, pair, least, rules, rows):
+    """Return the ways that turn on the other side: before the least turned angle, and past it.
+
+    `least` is what `least_second` returns; torus, pair, rules and rows are those of `near_side`.
+    """
+    unknown, turned = least
+    before, past = nothing(), nothing()
+    if pair.on_sheet and pair.angle > turned:
+        swing = half_swing_by_the_node(torus)
+        # The turned angle grows to either side of its least: below it, -u is the unknown.
+        if pair.angle < swing:
+            before = search(torus, pair, BEFORE, -unknown, rules, rows)
+        if pair.angle < 2 * swing:
+            past = search(torus, pair, PAST, unknown, rules, rows)
+    return before, past
+
+
+def least_second(torus, pair, nodes, rows):
+    """Return the unknown of `second` with which the turned angle is least, and that angle.
+
+    The arguments are a torus, a pair of ends, and nodes and rows as of `integrate`.
+    """
+    if not pair.on_sheet:
+        return math.nan, math.nan
+    ends = ends_at(torus, pair.a, pair.b, pair.halves)
+    # Towards either end of the class the turned angle grows: its rate changes its sign once.
+    low, high = -FARTHEST * ends.room, -NEAREST * ends.room
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        way = way_of(PAST, torus, ends, middle)
+        _, rate, _ = integrate_way(torus, way, PAST, False, nodes, rows)
+        if rate < 0:
+            low = middle
+        else:
+            high = middle
+    way = way_of(PAST, torus, ends, high)
+    return high, integrate_way(torus, way, PAST, False, nodes, rows)[0]
+
+
+# ---- loops over pairs ----------------------------------------------------------
+
+INLINED = "growth", "two_to_bits", "add_nodes"  # compiled, so that several nodes go at once
 
 
 @cache
@@ -456,9 +617,9 @@ def listed(count):
     return [row.tolist() for row in rule(count)]
 
 
-@loop(inlined=("growth", "two_to_bits", "add_nodes"))
-def find(torus, ends, few, many, rows, answers):
-    """Write down the `answer` to each of some pairs of ends.
+@loop(inlined=INLINED)
+def find(torus, ends, rules, rows, answers):
+    """Write down the shortest way between each of some pairs of ends.
 
     Parameters
     ----------
@@ -466,235 +627,82 @@ def find(torus, ends, few, many, rows, answers):
         The surface.
     ends : (n, 3) float
         The turn between the ends and phi of both, in rad, from -pi to pi.
-    few, many : tuple
-        Quadratures, `padded` or `listed`, and how many of their nodes count: for the working sheet
-        and elsewhere.
-    rows : (3, m) float
-        Room for what nodes add, m at least as many as there are.
+    rules, rows
+        As of `near_side`.
     answers : (6, n) float
-        Filled with what `answer` returns.
+        Filled with length, both azimuths and Clairaut's constant, in m and rad, and with the codes
+        of kind and certificate.
     """
     for i in range(len(ends)):
-        found = answer(torus, ends[i][0], ends[i][1], ends[i][2], few, many, rows)
-        for k in range(6):
-            answers[k][i] = found[k]
+        pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])
+        write(answers, 0, i, torus, pair, shortest(torus, pair, rules, rows))
 
 
-def answer(torus, turn, phi1, phi2, few, many, rows):
-    """Return the shortest way between two ends as numbers.
+@loop(inlined=INLINED)
+def find_rivals(torus, ends, rules, rows, answers):
+    """Write down one way of each class between each of some pairs of ends.
 
-    Parameters
-    ----------
-    torus : Radii
-        The surface.
-    turn, phi1, phi2 : float
-        The turn between the ends and phi of both, in rad, from -pi to pi.
-    few, many, rows
-        As of `find`.
-
-    Returns
-    -------
-    length, azimuth1, azimuth2, clairaut : float
-        In m and rad.
-    kind, certificate : float
-        Their codes; the kind is `OPEN` where arrays have to answer.
+    The arguments torus, ends, rules and rows are those of `find`; `answers` (48, n) has six rows
+    for each of eight classes.
     """
-    pair = normal_form(torus, turn, phi1, phi2)
-    way = _shortest(torus, pair, few, many, rows)
+    for i in range(len(ends)):
+        pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])
+        a, b, angle, mirror, side, swap, on_sheet, halves = pair
+        least = least_second(torus, pair, rules[2], rows)
+        row = 0
+        for one in (
+            pair,
+            EndPair(a, b, 2 * math.pi - angle, mirror, -side, swap, on_sheet, halves),
+        ):
+            before, past = second_arrivals(torus, one, least, rules, rows)
+            for way in (
+                near_side(torus, one, rules, rows),
+                before,
+                past,
+                far_side(torus, one, rules, rows),
+            ):
+                write(answers, row, i, torus, one, way)
+                row += 6
+
+
+def write(answers, row, i, torus, pair, way):
+    """Write down a way between a pair of ends of a torus, in column i of answers from a row on."""
     first, last, c = azimuths(pair, way)
-    kind = way.kind + 0.0
-    return way.length, first, last, c, kind, certificate(torus, pair, way.kind) + 0.0
+    answers[row][i] = way.length
+    answers[row + 1][i] = first
+    answers[row + 2][i] = last
+    answers[row + 3][i] = c
+    answers[row + 4][i] = way.kind
+    answers[row + 5][i] = certificate(torus, pair, way.kind)
 
 
-def _shortest(torus, pair, few, many, rows):
-    """Return the shortest `Way`; its kind is `OPEN` where that takes more than this."""
-    a, b, angle = pair.a, pair.b, pair.angle
-    way = level(torus, pair)
-    if not pair.on_sheet:
-        return way
-    # Arrays look at the other way along a meridian, and at the inner equator.
-    if torus.r >= torus.R and (angle == 0 or (a == math.pi and abs(b) == math.pi)):
-        return Way(OPEN, *way[1:])
-    if way.kind != NONE:
-        return way
-    ends = ends_at(torus, a, b, pair.halves)
-    sheet = on_working_sheet(torus, a, angle)
-    nodes = few if sheet else many
-    begin = start(torus, ends, a, b, angle)
-    hard = not sheet and peaked(torus, ends, b, angle)
-    found = find_root(torus, ends, angle, begin, True, hard, nodes, rows)
-    way = Way(OUTER if found[0] else OPEN, *found[1:])
-    # Over the inner equator only between opposite halves: else the outside is shorter.
-    if b < 0 and way.kind != OPEN:
-        if torus.r > torus.R:
-            found = find_root(torus, ends, angle, (0.5, 0.0, 0.0), False, False, nodes, rows)
-            if not found[0] or found[1] < way.length:
-                return Way(INNER if found[0] else OPEN, *found[1:])
-        elif torus.r == torus.R:
-            other = through(torus, pair)
-            if other.length < way.length:
-                return other
-    return way
-
-
-def _answers(size, ends):
-    """Return what `answer` does, (6, n), of `turn_and_ends` (n, 3)."""
-    ready = compiled.ready("geodesics")
-    if not ready and len(ends) > FEW:
-        return _answers_by_arrays(size, ends)
-    many = NODES_OF_RING if size.r > size.R else NODES
+def _answers(work, size, ends, rows, seconds):
+    """Return what a loop over pairs answers, (rows, n), of `turn_and_ends` (n, 3)."""
+    kind = "geodesics" if work is find else "rival geodesics"
+    compiled.expect(seconds * len(ends), kind)
+    ready = compiled.ready(kind)
     form = padded if ready else listed
-    few, many = ((form(count), count // 2) for count in (NODES_OF_WORKING_SHEET, many))
-    answers = np.empty((6, len(ends)))
-    if ready:
-        rows = np.empty((3, many[0].shape[1]))
-        compiled.call(find, size, ends, few, many, rows, answers, **{**NUMBERS, "ratio": divided})
-    else:
-        rows = [[0.0] * many[1] for _ in range(3)]
-        try:
-            compiled.call_plain(find, size, ends, few, many, rows, answers, **PLAIN)
-        except (ZeroDivisionError, ValueError):
-            # A product of numbers below 1e-150, which arrays divide by, or a root of what rounding
-            # left below zero, which is NaN there.
-            return _answers_by_arrays(size, ends)
-    open_ = [i for i, kind in enumerate(answers[4].tolist()) if kind == OPEN]
-    if open_:
-        answers[:, open_] = _answers_by_arrays(size, ends[open_])
+    counts = NODES_OF_WORKING_SHEET, NODES_OF_RING if size.r > size.R else NODES, NODES
+    rules = tuple((form(count), count // 2) for count in counts)
+    answers = np.empty((rows, len(ends)))
+
+    def fill(block):
+        some = np.empty((rows, len(ends[block])))
+        if ready:
+            room = np.empty((3, NODES // 2))
+            parts = {**NUMBERS, "ratio": divided}
+            compiled.call(work, size, ends[block], rules, room, some, **parts)
+        else:
+            room = [[0.0] * (NODES // 2) for _ in range(3)]
+            try:
+                compiled.call_plain(work, size, ends[block], rules, room, some, **PLAIN)
+            except (ZeroDivisionError, ValueError):
+                # A product of numbers below 1e-150 is divided by, or a root is taken of what
+                # rounding left below zero. Numpy's numbers go on with infinity or NaN.
+                careful = Radii(*map(np.float64, size)), list(map(list, ends[block]))
+                with np.errstate(all="ignore"):
+                    compiled.call_plain(work, *careful, rules, room, some, **IEEE)
+        answers[:, block] = some
+
+    compiled.each_block(fill, len(ends), BLOCK if ready else PLAIN_BLOCK, kind)
     return answers
-
-
-def _answers_by_arrays(size, ends):
-    """Return what `_answers` does, all pairs at once."""
-    pair = normal_form(size, *ends.T)
-    outside = _near_side(size, pair)
-    # Over the inner equator only between opposite halves: else the outside is shorter.
-    inside = _inside(size, pair, pair.b < 0)
-    nearer = inside.length < np.where(outside.kind == NONE, np.inf, outside.length)
-    way = Way(*(np.where(nearer, *both) for both in zip(inside, outside, strict=True)))
-    first, last, c = azimuths(pair, way)
-    return way.length, first, last, c, way.kind, certificate(size, pair, way.kind)
-
-
-def _settle(ways, where, kind, *values):
-    """Write down geodesics of a kind where a mask says, each value a number or an array."""
-    ways.kind[where] = kind
-    for array, value in zip(ways[1:], values, strict=True):
-        array[where] = value[where] if np.ndim(value) else value
-
-
-def _nothing(pair):
-    return Way(np.full(pair.a.size, NONE), *np.full((4, pair.a.size), np.nan))
-
-
-def _near_side(torus, pair):
-    """Return the ways over the side of the farther end, or down the outside of a meridian."""
-    ways = level(torus, pair)
-    # Half a swing is more than half a turn, but for rounding on what is nearly a sphere.
-    turns = pair.angle <= max(half_swing_by_the_node(torus), np.pi)
-    there = pair.on_sheet & (ways.kind == NONE) & turns
-    _search(torus, outer, pair, there, ways)
-    return ways
-
-
-def _second_arrivals(torus, pair, least):
-    """Return the ways that turn on the other side: before the least turned angle, and past it."""
-    before, past = _nothing(pair), _nothing(pair)
-    angle = pair.angle
-    unknown, turned = least
-    possible = pair.on_sheet & (angle > turned)
-    for ways, sense, swings in ((before, -1, 1), (past, 1, 2)):
-        there = possible & (angle < swings * half_swing_by_the_node(torus))
-        _search(torus, partial(second, sense=sense), pair, there, ways, sense * unknown)
-    return before, past
-
-
-def _least_second(torus, pair):
-    """Return the unknown of `second` with which the turned angle is least, and that angle."""
-    index = np.flatnonzero(pair.on_sheet)
-    a = pair.a[index]
-    ends = ends_at(torus, a, pair.b[index], [value[index] for value in pair.halves])
-    unit = np.cos(a / 2) if torus.r >= torus.R else np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
-    # Towards either end of the class the turned angle grows: its rate changes its sign once.
-    low, high = -FARTHEST * unit, -NEAREST * unit
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        _, rate, _ = integrate(torus, second(torus, ends, middle), NODES)
-        low = np.where(rate < 0, middle, low)
-        high = np.where(rate < 0, high, middle)
-    least = np.full((2, pair.a.size), np.nan)
-    least[:, index] = high, integrate(torus, second(torus, ends, high), NODES)[0]
-    return least
-
-
-def _inside(torus, pair, allowed=True):
-    """Return the ways over a ring's inner equator, or along either equator."""
-    ways = _nothing(pair)
-    a, b, angle = pair[:3]
-    span = torus.r + torus.R
-    narrow = torus.r - torus.R
-    # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
-    past = (a == 0) & (angle > conjugate_turn(torus))
-    _settle(ways, past, OUTER, span * angle, span, 0.0, 0.0)
-    if narrow < 0:  # the working sheet of a spindle ends at its nodes
-        return ways
-    # Round the tube the other way, if there are two ends.
-    meridian = pair.on_sheet & (angle == 0) & ((b < 0) | (a > b)) & allowed
-    _settle(ways, meridian, MERIDIAN, through(torus, pair).length, 0.0, 1.0, 1.0)
-    if narrow == 0:
-        # Both nodes of a horn are one point: any way through it enters above and leaves below.
-        node = pair.on_sheet & (angle > 0) & (angle <= np.pi) & ((b < 0) | (a > b)) & allowed
-        _settle(ways, node, *through(torus, pair))
-        return ways
-    # Along the inner equator c = r - R, the class's other end.
-    both = (a == np.pi) & (np.abs(b) == np.pi)
-    _settle(ways, both, INNER, narrow * angle, narrow, 0.0, 0.0)
-    _settle(ways, both & (angle == 0), POINT, 0.0, 0.0, np.nan, np.nan)
-    _search(torus, inner, pair, (angle > 0) & (a > 0) & allowed & (ways.kind == NONE), ways)
-    return ways
-
-
-def _search(torus, family, pair, possible, ways, low=None):
-    """Write down the ways of a class that reach their turned angle."""
-    index = np.flatnonzero(possible)
-    a, b, angle = (array[index] for array in pair[:3])
-    ends = ends_at(torus, a, b, [value[index] for value in pair.halves])
-    found = solve(family, torus, ends, a, b, angle, None if low is None else low[index])
-    reached = np.abs(found[0] - angle) <= AGREES
-    index = index[reached]
-    ways.kind[index] = INNER if family is inner else OUTER
-    for array, value in zip(ways[1:], found[1:], strict=True):
-        array[index] = value[reached]
-    if torus.r > torus.R and family in (outer, inner):
-        index = np.flatnonzero(possible)[~reached]
-        a, b, angle = (array[index] for array in pair[:3])
-        far = WOUND * (np.cos(a / 2) if family is outer else np.ones_like(a))
-        ends = ends_at(torus, a, b, half_angles(torus, a, b))
-        wound = integrate(torus, family(torus, ends, far), NODES)[0] < angle
-        _wind(torus, pair, family, index[wound], ways)
-
-
-def _wind(torus, pair, family, index, ways):
-    """Write down the ways of a ring that follow its inner equator to the last digit of c.
-
-    In a given class length = c angle + int R sqrt(1 - c^2 / rho^2) dphi is stationary in c; so
-    c = r - R will do.
-    """
-    c = torus.r - torus.R
-    shares, weights = (np.append(half, half) for half in rule(NODES))
-    shares[NODES // 2 :] = 1 - shares[NODES // 2 :]
-    length = c * pair.angle[index]
-    cosines = []
-    for end in (pair.a[index], np.abs(pair.b[index]) if family is inner else pair.b[index]):
-        # From the inner equator, z = 0, to the end: the nodes, and last the end itself.
-        z = np.append((np.pi - end[:, None]) * shares, np.pi - end[:, None], axis=1)
-        # rho^2 - c^2 = (rho - c)(rho + c), of which the first factor is 2 R sin^2(z/2).
-        sine = np.sin(z / 2)
-        rho = c + 2 * torus.R * sine**2
-        cosine = sine * np.sqrt(2 * torus.R * (rho + c)) / rho
-        length += torus.R * (np.pi - end) * (cosine[:, :-1] @ weights)
-        cosines.append(cosine[:, -1])  # of the azimuth at the end
-    ways.kind[index] = INNER if family is inner else OUTER
-    ways.length[index] = length
-    ways.c[index] = c
-    ways.cos_a[index] = cosines[0]
-    ways.cos_b[index] = cosines[1] if family is inner else -cosines[1]

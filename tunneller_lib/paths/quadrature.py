@@ -119,8 +119,8 @@ def panels(torus, way, p, q):
             yield half.pick(enough)
             yield from settled(half.pick(~enough), halvings - 1)
 
-    found = [panel for panel in settled(measured(np.arange(len(p)), 0.0, 1.0), HALVINGS)
-             if panel.rows.size]  # fmt: skip
+    every = settled(measured(np.arange(len(p)), 0.0, 1.0), HALVINGS)
+    found = [panel for panel in every if panel.rows.size]
     # What all joints of a path, its ends included, leave open counts together.
     reached, gaps = first.copy(), np.zeros(len(p))
     for rows, low, _, _, (start, stop) in found:

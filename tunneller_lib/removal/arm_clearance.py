@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arguments import Angle, Array, Length0, Points, Radii, checked
 from ..surfaces import Machine, Section
-from ..surfaces.touching import Solid, touches_of_planes
+from ..surfaces.solid import Solid
 
 ANGLES = 360  # angles from y at which the outermost points of a solid are looked at first
 GOLDEN = (np.sqrt(5) - 1) / 2
@@ -73,7 +73,7 @@ def solid_clearance(
     section : Section
         The tunnel's, which is convex.
     solid : Solid
-        A `Rod`, `Frustum`, `Box` or `RoundedDisc` in a frame of its own, which is that of the
+        A `Rod`, `Frustum` or `Box` in a frame of its own, which is that of the
         tunnel unless the next two are given.
     turn : (..., 3, 3) float
         The axes of its frame in that of the tunnel, as the columns of matrices.
@@ -90,7 +90,7 @@ def solid_clearance(
     -----
     Both are convex. Across the wall, in the plane x = 0, the least depth is that of the point where
     the solid reaches farthest along the wall's normal there, so that one angle is looked for. The
-    points are those at which planes touch the solid, as in `meet_facets`. Those at `ANGLES` angles
+    points are those at which planes touch the solid, its `outermost`. Those at `ANGLES` angles
     tell where the depth has valleys, whose lowest points are found by golden sections.
 
     Examples
@@ -102,7 +102,6 @@ def solid_clearance(
     >>> float(solid_clearance(Egg(0.5), capsule, place=(0, 0.05, 0)).round(12))
     0.05
     """
-    body = solid.outline
     turn, place = np.array(turn), np.array(place)
     shape = np.broadcast_shapes(turn.shape[:-2], place.shape[:-1])
     # Only what is across the tunnel counts.
@@ -111,16 +110,16 @@ def solid_clearance(
     least = np.empty(len(across))
     for start in range(0, len(across), POSES):
         some = slice(start, start + POSES)
-        least[some] = _least_depths(section, body, across[some], middle[some])
+        least[some] = _least_depths(section, solid, across[some], middle[some])
     return least.reshape(shape)[()]
 
 
-def _least_depths(section, body, across, middle):
-    """Return least depths (n,) of an `Outline` in n poses, as `_depths` has them."""
+def _least_depths(section, solid, across, middle):
+    """Return least depths (n,) of a solid in n poses, as `_depths` has them."""
     step = 2 * np.pi / ANGLES
     angle = step * np.arange(ANGLES)
     each = np.repeat(np.arange(len(across)), ANGLES)
-    depths = _depths(section, body, across[each], middle[each], np.tile(angle, len(across)))
+    depths = _depths(section, solid, across[each], middle[each], np.tile(angle, len(across)))
     depths = depths.reshape(-1, len(across), ANGLES)
     least = depths.min(axis=(0, 2), initial=np.inf)
     # Each point's valleys of the depth, between the neighbours of a sample.
@@ -132,29 +131,30 @@ def _least_depths(section, body, across, middle):
     posed = across[pose], middle[pose]
     low, high = angle[sample] - step, angle[sample] + step
     one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_one, at_other = (_depths(section, body, *posed, x)[pick] for x in (one, other))
+    at_one, at_other = (_depths(section, solid, *posed, x)[pick] for x in (one, other))
     for _ in range(SECTIONS):
         # One of both places is kept, so that each section costs one depth.
         lower = at_one < at_other
         low, high = np.where(lower, low, one), np.where(lower, other, high)
         new = np.where(lower, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
-        at_new = _depths(section, body, *posed, new)[pick]
+        at_new = _depths(section, solid, *posed, new)[pick]
         one, other = np.where(lower, new, other), np.where(lower, one, new)
         at_one, at_other = np.where(lower, at_new, at_other), np.where(lower, at_one, at_new)
     np.minimum.at(least, pose, np.minimum(at_one, at_other))
     return least
 
 
-def _depths(section, body, across, middle, angle):
-    """Return depths (k, n) of the k points of an `Outline` that planes touch, at angles (n,).
+def _depths(section, solid, across, middle, angle):
+    """Return depths (k, n) of the k outermost points of a solid, at angles (n,).
 
     It stands with its origin at `middle` (n, 2), and `across` (n, 2, 3) turns it into the plane of
     y and z.
     """
     normal = np.cos(angle) * across[:, 0].T + np.sin(angle) * across[:, 1].T
-    points = [body.start[:, None] + point for point in touches_of_planes(body, normal)]
-    if not points:
+    start, ways = solid.outermost(normal)
+    if not ways:
         return np.empty((0, len(angle)))
+    points = [start[:, None] + way for way in ways]
     y, z = np.einsum("nij,kjn->ikn", across, points) + middle.T[:, None]
     return section.depth(y, z)
 

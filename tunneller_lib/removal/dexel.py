@@ -8,7 +8,7 @@ from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, check
 from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
-from ..surfaces.touching import Solid
+from ..surfaces.solid import Solid
 from .grid import Lines, fan, meet_moves, parallel, swept
 
 GROUP = 8  # moves of a path that are cut together

@@ -65,6 +65,11 @@ class Lines(NamedTuple):
         return np.stack([*rows, *columns], axis=-1)
 
     def _windows_of_rays(self, a, b, radius, nearest):
+        """Return `windows` on rays: a range of places along x and of angles for each sweep.
+
+        The angles are first those at which rays meet a ball about the sweep, then only those at
+        which the ball reaches material; the places are those where it does.
+        """
         # A ball about each sweep stands for it, since the steps of a path are short.
         centre = (a + b) / 2
         reach = radius + norm(b - a) / 2

@@ -3,11 +3,10 @@
 from .box import Box
 from .cone import Cone
 from .egg import Egg
-from .facet import meet_box
 from .frustum import Frustum
 from .machine import REFERENCE_MACHINE, Body, Machine
 from .rod import Rod
-from .rounded_disc import RoundedDisc
+from .rod_box import meet_box
 from .section import Arc, Line, Section, closed_profile
 from .torus import Torus
 
@@ -22,7 +21,6 @@ __all__ = [
     "Line",
     "Machine",
     "Rod",
-    "RoundedDisc",
     "Section",
     "Torus",
     "closed_profile",

@@ -4,7 +4,7 @@ Each shape has a careful way, with twice the digits where they cancel. A round s
 way as well, the plain formula. It is sure of lines that are given near the shape, that are neither
 nearly parallel to its axis nor nearly level with its discs, and that neither touch the shape nor
 pass it closely. Of lines between random places it leaves one of a hundred thousand to the careful
-way; of lines that a program aims at an edge it may leave all.
+way; of lines that a program aims at an edge it may leave them all.
 
 Both ways are written once, `elementwise`: for one line they take Python's own floats, for many
 rows of x, y and z, over which numpy runs fastest. Where loops are `compiled` a loop calls them line
@@ -31,7 +31,7 @@ PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 
 
 def undecided(shape, q, u):
-    """Return that no line is sure: the quick way of a shape that has none."""
+    """Return that nothing is sure: the quick way of a shape that has only a careful one."""
     return np.inf, -np.inf, False
 
 
@@ -103,7 +103,7 @@ def _meet_compiled(quick, careful, shape, plain, points, directions, ends):
 
 
 def _meet_rows(quick, careful, shape, plain, points, directions, ends):
-    """Fill in the same by whole rows."""
+    """Fill in what `_meet_compiled` does, by numpy on whole rows."""
     points = np.broadcast_to(points, (ends.shape[1], 3))
     start = np.array(shape.start)[:, None]
     one = directions[0].tolist() if len(directions) == 1 else None
@@ -167,7 +167,7 @@ def past_an_axis(shape, q, u):
     nn, aside = scalar_products(n, n), scalar_products(q, n)
     uu, vv = scalar_products(u, u), scalar_products(shape.axis, shape.axis)
     size = scalar_products(q, q) * (uu * vv)
-    # The second term is what six roundings make of q n, squared.
+    # The second term bounds the square of what six roundings make of q n.
     wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn + 1e-23 * size
     return Passing(n, nn, aside, uu, vv, size, aside * aside > wide)
 

@@ -23,7 +23,7 @@ from ..kernels.vectors import (
 )
 from .blocks import meet_in_blocks
 from .rod_interval import GUARD, nearest_offset
-from .touching import Outline, Solid
+from .solid import Solid
 
 SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
 
@@ -96,6 +96,7 @@ def _across(guard, half, size, at, pace):
     A line that runs level with them, within the guard over the whole box, has no pace: it stays
     between.
     """
+    # Mirrored where the line comes from the other side, so that it always goes upwards.
     at, pace = where(pace < 0, -at, at), abs(pace)
     return half, at, where(pace * size <= guard, 0.0, pace)
 
@@ -104,6 +105,7 @@ def _short(one, other):
     """Return how far lines pass beside the corners between two pairs of faces."""
     half, at, pace = one
     other_half, other_at, other_pace = other
+    # Seen along the line both slabs are strips; the gap between them counts per unit of both paces.
     both = pace + other_pace
     gap = abs(at * other_pace - other_at * pace) - half * other_pace - other_half * pace
     return where(both > 0, ratio(gap, both), -np.inf)
@@ -162,6 +164,7 @@ class Box(Solid):
             sizes("x, y, z", length)
             if not length > 0:
                 raise ValueError("x, y, z: must not be zero; got an edge that is.")
+        # The parallelepiped of edges that lean would have faces elsewhere than its normals say.
         units = [unit_and_speed(edge)[0] for edge in edges]
         cosine = max(abs(scalar_products(units[i - 1], units[i])) for i in range(3))
         if cosine > SQUARE:
@@ -172,11 +175,13 @@ class Box(Solid):
     @functools.cached_property
     def _numbers(self):
         """Return the box in numbers, made once: it often meets many lines one by one."""
+        # Near 1, so that products of three edges stay in range at any size of the box.
         edges = [near_one(edge) for edge in (self.x, self.y, self.z)]
         normals = []
         wide = []
         for i in range(3):
             edge, power = edges[i]
+            # Edges are perpendicular but for rounding: the faces' normals come from the other two.
             normal = accurate_products(edges[i - 2][0], edges[i - 1][0])
             normal = shares(normal, lengths(normal))
             width = scalar_products(normal, edge)
@@ -185,16 +190,16 @@ class Box(Solid):
             wide.append(scaled(abs(width), power))
         return _Numbers(self.corner, tuple(normals), shares(wide, 2), lengths(wide))
 
-    @property
-    def outline(self):
-        """Return the box's `Outline`."""
-        x, y, z = np.array([self.x, self.y, self.z])
-        edges = []
-        for along, second, third in ((x, y, z), (y, z, x), (z, x, y)):
-            for corner in (0 * x, second, third, second + third):
-                edges.append((corner, corner + along))
-        size = float(norm(x + y + z))
-        return Outline(np.array(self.corner), size, edges=edges)
+    def outermost(self, normal):
+        """Return the box's corners, which planes touch, as `Solid` says."""
+        corners = [
+            np.add(np.add(x, y), z)
+            for x in (np.zeros(3), self.x)
+            for y in (np.zeros(3), self.y)
+            for z in (np.zeros(3), self.z)
+        ]
+        points = [np.broadcast_to(corner[:, None], normal.shape) for corner in corners]
+        return np.array(self.corner), points
 
     @property
     def capsule(self):
@@ -202,17 +207,6 @@ class Box(Solid):
         half = np.add(np.add(self.x, self.y), self.z) / 2
         # A little more than half of the diagonal, for its edges are square but for rounding.
         return self.corner + half, self.corner + half, float(norm(half)) * (1 + 1e-9)
-
-    @property
-    def faces(self):
-        """Return the corners (6, 4, 3) of its faces, in m, in order round each."""
-        corner, *edges = np.array([self.corner, self.x, self.y, self.z])
-        x, y, z = edges
-        found = []
-        for across, first, second in ((x, y, z), (y, z, x), (z, x, y)):
-            for start in (corner, corner + across):
-                found.append([start, start + first, start + first + second, start + second])
-        return np.array(found)
 
     @checked
     def meet_line(self, point: Points, direction: Directions):

@@ -93,11 +93,13 @@ class Cone:
         x, y, z = np.moveaxis(m, -1, 0)
         sin, cos = np.sin(self.half_angle), np.cos(self.half_angle)
         rho = np.hypot(x, y)
+        # The cone is mirrored in z = 0: the nappe on M's side has the nearer foot.
         nappe = np.where(z > 0, 1.0, -1.0)
         azimuth = np.arctan2(y, x)
         east, north = np.cos(azimuth), np.sin(azimuth)
         both = []
         for side in (1, -1):
+            # M projected on the ruling of its meridian plane, on this side of the axis.
             distance = side * rho * sin + np.abs(z) * cos
             radius = side * distance * sin
             both.append(np.stack([radius * east, radius * north, nappe * distance * cos], axis=-1))

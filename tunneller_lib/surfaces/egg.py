@@ -72,6 +72,7 @@ class Egg(Section):
                 f"d: must be below the roof's radius a = {a:g} m, or nothing of the section is "
                 f"left; got {d:g} m."
             )
+        # Where the invert's arc has shrunk away the walls run on until they meet.
         sweep = WALL if d < a / 2 else np.arccos(2 * a / (3 * a - d))
         roof = Arc(0.0, 0.0, a - d, 0.0, np.pi)
         right = Arc(2 * a, 0.0, 3 * a - d, np.pi, sweep)

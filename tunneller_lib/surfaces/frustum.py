@@ -1,4 +1,4 @@
-"""A truncated cone against lines, to which Line and finite cylinder expects to be extended."""
+"""A truncated cone against lines, an extension that Line and finite cylinder foresees."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,20 +7,9 @@ import numpy as np
 
 from ..arguments import Directions, Length0, Point, Points, checked, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
-from ..kernels.vectors import differences, lengths
-from .blocks import (
-    CLOSE,
-    MISSED,
-    between_planes,
-    meet_in_blocks,
-    nearest_to_axis,
-    past_an_axis,
-    share_of_axis,
-    unless_beside,
-    well_shaped,
-)
+from .blocks import meet_in_blocks
 from .rod_interval import GUARD, along_lines, flat_interval, frame, nearest_point
-from .touching import Solid, round_outline
+from .solid import Solid, outermost_of_ends
 
 
 @dataclass(frozen=True)
@@ -50,10 +39,9 @@ class Frustum(Solid):
     def __post_init__(self):
         sizes("b - a", np.abs(np.subtract(self.b, self.a)).max())
 
-    @property
-    def outline(self):
-        """Return the frustum's `Outline`."""
-        return round_outline(self.a, self.b, self.radius_a, self.radius_b)
+    def outermost(self, normal):
+        """Return the frustum's points that planes touch, as `Solid` says."""
+        return outermost_of_ends(self.a, self.b, self.radius_a, self.radius_b, normal)
 
     @property
     def capsule(self):
@@ -90,28 +78,15 @@ class Frustum(Solid):
         >>> float(enter), float(leave)
         (4.5, 5.5)
         """
-        shape = _Numbers(
-            self.a,
-            self.b,
-            differences(self.b, self.a),
-            max(self.radius_a, self.radius_b),
-            self.radius_a,
-            self.radius_b,
-        )
-        length = lengths(shape.axis)
-        gain = self.radius_b - self.radius_a
-        # A wall within 27 degrees of the discs is left to the careful way, too.
-        plain = well_shaped(length, shape.radius) and abs(gain) <= 2 * length
-        return meet_in_blocks(_carefully, shape, point, direction, quick=_quickly, plain=plain)
+        shape = _Numbers(self.a, self.b, self.radius_a, self.radius_b)
+        return meet_in_blocks(_carefully, shape, point, direction)
 
 
 class _Numbers(NamedTuple):
-    """A frustum in numbers: its axis' ends and the vector between, the wider radius, and both."""
+    """A frustum in numbers: the ends of its axis, and the radii there."""
 
     start: tuple
     end: tuple
-    axis: tuple
-    radius: float
     start_radius: float
     end_radius: float
 
@@ -119,49 +94,12 @@ class _Numbers(NamedTuple):
 def _carefully(shape, p, u):
     """Return `enter` and `leave` of lines against a frustum."""
     axis = frame(shape.start, shape.end, u)
+    # The frame begins at the end that the line passes first.
     first = where(axis.turned, shape.end_radius, shape.start_radius)
     last = where(axis.turned, shape.start_radius, shape.end_radius)
     s, m, z, shift = nearest_point(axis, p, u)
     interval = frustum_interval(axis.run, axis.rise, axis.length, first, last, s, m)
     return along_lines(axis, z, shift, *interval)
-
-
-def _quickly(shape, q, u):
-    """Return `enter`, `leave` and where they are sure of lines against a frustum.
-
-    From its point nearest to the axis a line is at t: there the wall's radius is w + grow t, and
-    the squared distance from the axis aside^2 + across t^2.
-    """
-    passing = past_an_axis(shape, q, u)
-    if passing.beside is True:
-        return MISSED
-    lines = nearest_to_axis(shape, q, u, passing)
-    gain = shape.end_radius - shape.start_radius
-    aside2 = ratio(lines.aside * lines.aside, lines.nn)
-    across = lines.nn / lines.vv
-    grow = gain * lines.uv / lines.vv
-    w = shape.start_radius + gain * share_of_axis(lines)
-    first, last, steep = between_planes(lines)
-    # Inside the wall A t^2 - 2 B t + C <= 0; both roots without a difference that cancels.
-    A, B, C = across - grow * grow, w * grow, aside2 - w * w
-    square = w * w * across - A * aside2
-    half = square_root(square)
-    sum_of_both = B + where(B < 0, -half, half)
-    one, other = ratio(sum_of_both, A), ratio(C, sum_of_both)
-    low, high = smaller(one, other), larger(one, other)
-    # A line steeper than the wall is on this side of the tip beyond one root.
-    low, high = (
-        where(A > 0, low, where(grow > 0, high, -np.inf)),
-        where(A > 0, high, where(grow > 0, np.inf, low)),
-    )
-    enter, leave = larger(first, lines.middle + low), smaller(last, lines.middle + high)
-    # Shallower lines may meet the wall's other half alone, beyond the tip, or no wall.
-    beyond = (A > 0) & ((w < 0) | (square < 0))
-    clear = abs(leave - enter) > CLOSE * (last - first)
-    clear = (clear | beyond) & (abs(A) > 1e-3 * across) & (abs(w) > CLOSE * shape.radius)
-    clear = clear & (abs(square) > CLOSE * (w * w) * across)
-    enter = where(beyond, np.inf, enter)
-    return unless_beside(passing.beside, enter, leave, steep & clear & lines.sound)
 
 
 def frustum_interval(run, rise, length, first_radius, last_radius, s, m):

@@ -1,4 +1,4 @@
-"""The cylinders that turn a joint: law of cosines, moment arms, stroke, oil volumes."""
+"""The cylinders that turn a joint: lengths, displacements, stroke and oil volumes."""
 
 import math
 from dataclasses import dataclass
@@ -79,6 +79,7 @@ def side_flows(cylinders, angle, sense):
     """
     length, arm = triangle(cylinders, angle, sense)
     arm = abs(arm)
+    # The side without the rod pushes with the whole piston, the other with the ring about the rod.
     pushing = cylinders.whole * arm
     pulling = cylinders.ring * arm
     pushing_volume = cylinders.whole * (length - cylinders.shortest)
@@ -171,11 +172,6 @@ class Linkage:
         return triangle(self, angle, self.sense)[0]
 
     @checked
-    def arm(self, angle: JointAngles):
-        """Return the moment arm, the rate of the length by the angle, in m, at joint angles."""
-        return triangle(self, angle, self.sense)[1]
-
-    @checked
     def displacements(self, angle: JointAngles):
         """Return the oil displaced on the plus and the minus side, in m^3/rad, at joint angles."""
         return chambers(self._numbers(0.0, 0.0), angle)[:2]
@@ -197,6 +193,7 @@ class Linkage:
     @checked
     def cylinders(self, low: Angle, high: Angle):
         """Return the `Cylinders` of a stroke from angle `low` to `high`, in rad."""
+        # The length is monotonic between both ends of the stroke, see `check`.
         lengths = [triangle(self, end, self.sense)[0] for end in (low, high)]
         return self._numbers(min(lengths), max(lengths))
 
@@ -229,6 +226,7 @@ class Linkage:
             raise ValueError(
                 f"low: a pair needs limits as far to either side; got {low:g} rad and {high:g} rad."
             )
+        # Between the limits gamma stays within a half turn, where the length only grows with it.
         shortest, longest = sorted((self.length(low), self.length(high)))
         if longest - shortest + self.dead_length > shortest:
             raise ValueError(

@@ -34,7 +34,7 @@ class Requirement(NamedTuple):
 
     @property
     def met(self):
-        """Whether it holds."""
+        """Return whether it holds."""
         return self.left < self.right or (self.left == self.right and not self.strict)
 
     def __str__(self):
@@ -46,7 +46,7 @@ class Requirement(NamedTuple):
 @dataclass(frozen=True)
 @checked
 class Body:
-    """What a machine has beside joints, arm and cutter: an upright box, and the cutter's holder.
+    """The body of a machine, an upright box, and the holder of its cutter.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Body:
 
     @property
     def has_holder(self):
-        """Whether there is a holder."""
+        """Return whether there is a holder."""
         return self.holder_radius > 0 and self.holder_length > 0
 
 
@@ -197,10 +197,11 @@ class Machine:
         So the sine grows all the way from crown to floor while it is between -1 and 1. It is so at
         both, and can't leave that range between them: it could come back only by falling.
         """
+        # The centre of the cutter runs on the section's offset by d.
         d = self.offset
         reach = self.r + self.R
         (right, floor), (left, crown) = section.box
-        # The sine's greatest value within each range of angles.
+        # The sine's greatest value within each range of angles; past a right angle it falls again.
         swing, lift, drop = (
             np.sin(min(angle, np.pi / 2))
             for angle in (min(self.phi_max, -self.phi_min), -self.theta_min, self.theta_max)
@@ -245,6 +246,7 @@ class Machine:
             Whether the machine's axes are the tunnel's; if not, only the tightest bend is looked
             at, because the reach depends on the pose.
         """
+        # In any pose the tightest bend must take the cutter: it is the first requirement.
         requirements = self.requirements(section)[: None if aligned else 1]
         failing = [str(requirement) for requirement in requirements if not requirement.met]
         if failing:

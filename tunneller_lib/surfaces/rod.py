@@ -21,7 +21,7 @@ from .blocks import (
     well_shaped,
 )
 from .rod_interval import along_lines, flat_interval, frame, nearest_point, round_interval
-from .touching import Solid, round_outline
+from .solid import Solid, outermost_of_ends
 
 PAIRS = 8192  # rods and lines of `meet_rods` that are looked at together, to stay in the cache
 
@@ -66,6 +66,7 @@ def meet_rods(
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
     sizes("b - a", np.abs(b - a).max(axis=-1))
+    # A rod for each line: the quick way would need a shape of its own for every line.
     careful = _round_carefully if ends == "round" else _flat_carefully
     vectors = a, b, point, direction
     shape = np.broadcast_shapes(radius.shape, *(vector.shape[:-1] for vector in vectors))
@@ -126,11 +127,10 @@ class Rod(Solid):
         """Return the length of the axis, in m."""
         return float(norm(self.axis))
 
-    @property
-    def outline(self):
-        """Return the rod's `Outline`."""
+    def outermost(self, normal):
+        """Return the rod's points that planes touch, as `Solid` says."""
         both = self.radius, self.radius
-        return round_outline(self.a, self.b, *both, round_ends=self.ends == "round")
+        return outermost_of_ends(self.a, self.b, *both, normal, round_ends=self.ends == "round")
 
     @property
     def capsule(self):
@@ -237,6 +237,7 @@ def _round_quickly(shape, q, u):
 
 def _end_on_ball(lines, radius, sign):
     """Return where lines enter (-1) or leave (1) a capsule, by the ball there, and if it's sure."""
+    # Where on the axis, from 0 to 1, the line is nearest to it.
     share = share_of_axis(lines)
     # The ball's centre is where the endless wall is met, or the axis' end that this is beyond.
     step = lines.half * (lines.uv / lines.vv)

@@ -1,4 +1,4 @@
-"""A rod as lines of one direction see it, two ellipses and a rectangle."""
+"""A rod as seen along lines of one direction: two ellipses and a rectangle."""
 
 from typing import NamedTuple
 

@@ -56,6 +56,7 @@ class Arc:
         The sector is wider by `slack`, in m on the arc, at both ends: at a blend both pieces count.
         """
         dy, dz = y - self.y, z - self.z
+        # Counted from the arc's start, one comparison decides, wherever the arc passes pi.
         wider = 1e-12 + slack / self.radius
         turned = np.mod(np.arctan2(dz, dy) - self.start + wider, 2 * np.pi)
         return np.where(turned <= self.sweep + 2 * wider, self.radius - np.hypot(dy, dz), np.inf)
@@ -72,6 +73,7 @@ class Arc:
         z = self.z
         radius = self.radius
         end = self.start + self.sweep
+        # Green's theorem: the integral of y dz - z dy along the arc.
         moment = y * (np.sin(end) - np.sin(self.start)) - z * (np.cos(end) - np.cos(self.start))
         return radius * (radius * self.sweep + moment)
 
@@ -119,6 +121,7 @@ class Line:
         cos, sin = np.cos(self.heading), np.sin(self.heading)
         dy, dz = y - self.y, z - self.z
         along = cos * dy + sin * dz
+        # The strip across the line; beyond it another piece is nearest.
         within = (-slack <= along) & (along <= self.length + slack)
         return np.where(within, cos * dz - sin * dy, np.inf)
 
@@ -180,6 +183,7 @@ class Section:
 
     def _turns(self):
         """Return by how much the direction turns where each piece begins, in rad."""
+        # Between -pi and pi: a turn to the right is negative.
         starts, ends = np.transpose([arc.headings for arc in self.arcs])
         return np.mod(starts - np.roll(ends, 1) + np.pi, 2 * np.pi) - np.pi
 
@@ -201,6 +205,7 @@ class Section:
     def _place(self, s):
         """Return arc lengths (...) within one round, and the indices of the pieces there."""
         s = np.mod(s, self.perimeter)
+        # A blend itself belongs to the piece that begins there.
         index = np.searchsorted(self.blends, s, side="right") - 1
         return s, np.clip(index, 0, len(self.arcs) - 1)
 
@@ -241,6 +246,7 @@ class Section:
             inside = np.minimum(inside, arc.depth(y, z, slack))
         if np.all(np.isfinite(inside)):
             return inside[()]
+        # Outside a corner no piece has the point in its sector: the corner is nearest.
         corner = np.full(y.shape, np.inf)
         for arc in arcs:
             (start, _) = arc.locate(np.zeros(()))

@@ -87,6 +87,7 @@ class Torus:
         the printed difference of fourth powers cancels where the ring is small against the tube.
         """
         x, y, z = np.moveaxis(point, -1, 0)
+        # Each factor is a difference of lengths, so that only the distance itself can be small.
         rho, excess = radius_and_excess(x, z, self.r)
         near, far = np.hypot(excess, y), np.hypot(rho + self.r, y)
         with np.errstate(over="ignore"):
@@ -180,6 +181,7 @@ class Torus:
         curvature : (...) float
             In 1/m, positive where the surface bends away from `normal`.
         """
+        # Both principal curvatures, weighed by the squared cosines of the direction.
         cos, _, first, second = self._in_principal_directions(position, direction)
         return first * cos**2 + second * (1 - cos**2)
 
@@ -225,6 +227,7 @@ class Torus:
         """
         theta, phi = np.broadcast_arrays(theta, phi)
         with np.errstate(divide="ignore"):
+            # By Meusnier: the parallel's own curvature times the cosine of the normal's slope.
             parallel = np.cos(phi) / (self.r + self.R * np.cos(phi))
         return np.full(phi.shape, 1 / self.R)[()], parallel
 
@@ -361,6 +364,7 @@ def torus_point(torus, theta, phi):
 def torus_angles(torus, point):
     """Return the joint angles, in rad, of points, in m."""
     x, y, z = np.moveaxis(point, -1, 0)
+    # A zero of either sign becomes +0, so that the axis has theta = 0 and not pi.
     return np.arctan2(0.0 - z, x + 0.0), np.arctan2(y, radius_and_excess(x, z, torus.r)[1])
 
 

@@ -1,0 +1,146 @@
+"""How far down an upright box comes until it touches a rod: the note's part two."""
+
+import numpy as np
+
+from ..arguments import Corners, checked
+from .rod import Rod
+from .rod_interval import GUARD
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@checked
+def meet_box(rod: Rod, low: Corners, high: Corners):
+    """Return the lowest and highest points of a rod in boxes that are endless along z.
+
+    Parameters
+    ----------
+    rod : Rod
+        In any pose, with flat or round ends.
+    low, high : (..., 2) float
+        Opposite corners (x, y) of the boxes' sections, in m; low <= high.
+
+    Returns
+    -------
+    bottom, top : (...) float
+        Heights z between which a rectangular cutter over that section touches the rod, in m;
+        ``inf`` and ``-inf`` where it doesn't.
+
+    Raises
+    ------
+    ValueError
+        If a corner isn't finite or low > high.
+
+    Notes
+    -----
+    Line and finite cylinder announces this as its part two, and doesn't give it. The rod's upper
+    side is a concave height over the plane. Over a rectangle it is greatest at the rod's own
+    highest point, if that lies over it; or in the plane of a side, where the rod's border runs
+    along that side; or on the line through a corner. Each place has a closed form and is a point of
+    the rod, so that the highest of them is the answer and none can be too high. The answer is that
+    of a rod whose surface is off by at most 64 eps of the sum of its size and the box's distance.
+
+    Examples
+    --------
+    >>> bottom, top = meet_box(Rod((0, 0, 0), (0, 8, 0), 2), (1, 1), (3, 9))
+    >>> float(top.round(6)), float(bottom.round(6))
+    (1.732051, -1.732051)
+    """
+    low, high = np.broadcast_arrays(low, high)
+    if not np.all(low <= high):
+        raise ValueError("low: must not be above high on either axis; got a corner that is.")
+    # First the lines through the corners of the section.
+    x = np.stack([low[..., 0], high[..., 0]])[[0, 1, 1, 0]]
+    y = np.stack([low[..., 1], high[..., 1]])[[0, 0, 1, 1]]
+    bottom, top = rod.meet_line(np.stack([x, y, np.zeros_like(x)], axis=-1), UP)
+    # All else is counted from the rod's start, where places have the most digits.
+    low, high = low - rod.a[:2], high - rod.a[:2]
+    reach = np.maximum(np.abs(low), np.abs(high)).max(axis=-1)
+    guard = GUARD * (rod.radius + rod.length + reach)
+    _, own = rod.outermost(UP[:, None])
+    points = [way[:, 0] for way in own]  # the rod's own highest and lowest
+    for along, across in ((0, 1), (1, 0)):
+        for side in (low, high):
+            points += _in_plane(rod, along, across, side[..., across], guard)
+    bottom, top = bottom.min(axis=0), top.max(axis=0)
+    for x, y, z in points:
+        # What isn't there is NaN, and over nothing.
+        over = (low[..., 0] - guard <= x) & (x <= high[..., 0] + guard)
+        over = over & (low[..., 1] - guard <= y) & (y <= high[..., 1] + guard)
+        bottom = np.where(over, np.fmin(bottom, rod.a[2] + z), bottom)
+        top = np.where(over, np.fmax(top, rod.a[2] + z), top)
+    return bottom[()], top[()]
+
+
+def _in_plane(rod, along, across, at, guard):
+    """Yield points of a rod, from its start on, that may be its outermost in upright planes.
+
+    Parameters
+    ----------
+    rod : Rod
+        The rod.
+    along, across : {0, 1}
+        The axis that runs in the planes, and the one at right angles to them.
+    at : (...) float
+        Where the planes are on the latter, in m.
+    guard : (...) float
+        By how much rounding may move a place, in m.
+    """
+    v, r = rod.axis, rod.radius
+    length = rod.length
+    if rod.ends == "round":
+        # The plane cuts a ball in a circle, whose top and bottom count.
+        for centre in (np.zeros(3), v):
+            away, half = _chord(at - centre[across], r, 1.0, guard)
+            for height in (half, -half):
+                beside = centre[across] + away
+                yield _place(along, across, centre[along], beside, centre[2] + height)
+    if length == 0:
+        return
+    w = v / length
+    # The wall's border, as one sees it along the side, is two rulings; the plane cuts them.
+    run = np.hypot(w[across], w[2])
+    aside = (w[2], -w[across]) / run if run else np.zeros(2)
+    for radial in (r * aside, -r * aside):
+        first, last = radial[0] - at, radial[0] + v[across] - at
+        # Within the guard of the plane; and in it all along, where other points do as well.
+        met = (np.minimum(first, last) <= guard) & (np.maximum(first, last) >= -guard)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(first == last, 0.0, np.clip(first / (first - last), 0, 1))
+        share = np.where(met, share, np.nan)
+        yield _place(
+            along, across, share * v[along], radial[0] + share * v[across], radial[1] + share * v[2]
+        )
+    if rod.ends == "flat":
+        # The plane cuts a disc along a chord, whose ends count. Where the disc lies in the plane any
+        # chord will do: the disc's own top and the corners' lines tell the rest.
+        sine = np.hypot(w[along], w[2])
+        x, z = (-w[2] / sine, w[along] / sine) if sine else (0.0, 1.0)
+        for centre in (np.zeros(3), v):
+            away, half = _chord(at - centre[across], r, sine, guard)
+            for reach in (half, -half):
+                yield _place(
+                    along,
+                    across,
+                    centre[along] - away * (z * w[across]) + reach * x,
+                    centre[across] + away * sine,
+                    centre[2] + away * (x * w[across]) + reach * z,
+                )
+
+
+def _chord(away, radius, sine, guard):
+    """Return how far a plane's chord is from a circle's centre, within the circle, and half of it.
+
+    The plane is `away` from the centre, in m, and cuts the circle's own plane at an angle of this
+    sine. Half of the chord is NaN where the plane passes beside the circle by more than the guard.
+    """
+    met = np.abs(away) <= sine * radius + guard
+    away = np.clip(away / (sine or 1.0), -radius, radius)
+    # The product keeps the digits that radius^2 - away^2 would lose near a touch.
+    return away, np.where(met, np.sqrt((radius - away) * (radius + away)), np.nan)
+
+
+def _place(along, across, first, second, z):
+    """Return x, y and z of points by their places along and across a plane."""
+    x, y = (first, second) if along == 0 else (second, first)
+    return x, y, z
