@@ -57,7 +57,7 @@ def spool_at(axis, rate, position):
     left = drive_of(axis, D, rho, load) - axis.damping * abs(rate) / D
     if left <= 0:  # no opening suffices, and the loop takes the widest
         return math.copysign(math.inf, rate)
-    # At each land the pressure drop goes with the flow's square: 1 at one, rho^3 at the other.
+    # Drops go with the flows' squares: rho^2 at the emptied side, which acts on rho of the area.
     return rate * D / axis.flow * root((1 + rho * rho * rho) / left)
 
 
