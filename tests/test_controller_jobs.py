@@ -139,11 +139,12 @@ def test_trip_that_is_accepted_is_not_reached_in_a_run(tmp_path):
     assert found[-1, 7] == 1 and found[:, 6].max() < 4  # done, never in ErrorStop
 
 
-def test_ideal_encoder_is_exported_with_the_counts_of_the_set_values():
+@pytest.mark.parametrize("encoder", [0.0, 2e-4])
+def test_encoder_is_exported_as_it_is_and_an_ideal_one_with_the_counts_of_the_plan(encoder):
     whole = read_job(REFERENCE_JOB)
-    made = with_program(replace(whole, controller={**whole.controller, "encoder": 0.0}))
+    made = with_program(replace(whole, controller={**whole.controller, "encoder": encoder}))
     (given,) = set(re.findall(r"rEncoder : LREAL := (.*);", made.text))
-    assert float(given) == whole.planned.count
+    assert float(given) == (encoder or whole.planned.count)
 
 
 REFUSED = [

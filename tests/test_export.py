@@ -274,6 +274,8 @@ def test_a_structure_of_values_is_constants(sample):
         ("rSmall", "", "LREAL", "5.0e-05", ""),
         ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", ""),
     ]
+    # Another task writes what is shared, and nobody writes the job.
+    assert "void fb_sample(FB_Sample *c, volatile T_Shared *both);" in c99_types(sample)
     assert "T_Job" not in c99_types(sample)
     assert "static const double aTable[3] = {9.0, -1.0e+300, 1.0};\n" in c99_code(sample)
     assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")
