@@ -139,11 +139,22 @@ def test_trip_that_is_accepted_is_not_reached_in_a_run(tmp_path):
     assert found[-1, 7] == 1 and found[:, 6].max() < 4  # done, never in ErrorStop
 
 
-def test_ideal_encoder_is_exported_with_the_counts_of_the_set_values():
+def test_way_to_the_start_position_is_within_32_bits_however_slow_and_long():
     whole = read_job(REFERENCE_JOB)
-    made = with_program(replace(whole, controller={**whole.controller, "encoder": 0.0}))
+    slow = replace(whole, limits={**whole.limits, "feed": 3e-3},
+                   controller={**whole.controller, "trip": 1.0})  # fmt: skip
+    text = with_program(slow).text
+    parts, ticks = (int(re.search(rf" {name} : .*:= \[?(\d+)", text)[1])
+                    for name in ("nParts", "aTicks"))  # fmt: skip
+    assert 2**28 < parts * ticks <= 2**30
+
+
+@pytest.mark.parametrize("encoder", [0.0, 2e-4])
+def test_encoder_is_exported_as_it_is_and_an_ideal_one_with_the_counts_of_the_plan(encoder):
+    whole = read_job(REFERENCE_JOB)
+    made = with_program(replace(whole, controller={**whole.controller, "encoder": encoder}))
     (given,) = set(re.findall(r"rEncoder : LREAL := (.*);", made.text))
-    assert float(given) == whole.planned.count
+    assert float(given) == (encoder or whole.planned.count)
 
 
 REFUSED = [

@@ -207,7 +207,7 @@ FOR nFORM := 0 TO 1 DO
 END_FOR;
 inner(nBy := nIn + 1);
 bOn := (inner.nSum >= 8 AND TRUE) OR FALSE;
-rOut := ABS(DINT_TO_LREAL(TRUNC(rIn) MOD 4)) * job.rSmall
+rOut := ABS(DINT_TO_LREAL(TRUNC(rIn) MOD job.nFour)) * job.rSmall
     + SQRT(MIN(MAX(job.aTable[i MOD 3], 0.25), 4.0))
     - (ATAN(0.0) + ATAN2(0.0, 1.0) + SIN(0.0) + COS(0.0));
 both.nCount := both.nCount + inner.nSum;
@@ -237,7 +237,7 @@ double run(int32_t *out, int32_t in, int32_t on, int32_t calls)
 @pytest.fixture(scope="module")
 def sample():
     """Return the sample's blocks."""
-    table = {"rSmall": 5e-05, "aTable": np.array([9.0, -1e300, 1.0])}
+    table = {"nFour": 4, "rSmall": 5e-05, "aTable": np.array([9.0, -1e300, 1.0])}
     return read_blocks(SAMPLE.replace("@JOB", constant_rows(table)))
 
 
@@ -270,9 +270,12 @@ def test_comments_are_kept(sample):
 def test_a_structure_of_values_is_constants(sample):
     *_, job, _, outer = sample
     assert job.rows("VAR CONSTANT") == [
+        ("nFour", "", "DINT", "4", ""),
         ("rSmall", "", "LREAL", "5.0e-05", ""),
         ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", ""),
     ]
+    # Another task writes what is shared, and nobody writes the job.
+    assert "void fb_sample(FB_Sample *c, volatile T_Shared *both);" in c99_types(sample)
     assert "T_Job" not in c99_types(sample)
     assert "static const double aTable[3] = {9.0, -1.0e+300, 1.0};\n" in c99_code(sample)
     assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")

@@ -160,6 +160,7 @@ def test_xml_has_the_texts_and_variables_of_the_structured_text(texts):
     assert listed(shared) == [row[1:] for row in declared(configuration)]
     tasks = list(root.iter(f"{PLC}task"))
     assert [one.get("name") for one in tasks] == ["Fast", "Slow"]
+    assert [one.get("priority") for one in tasks] == ["0", "1"]  # 0 is the most urgent
     for one in tasks:
         name, interval, priority = map(one.get, ("name", "interval", "priority"))
         assert f"TASK {name}(INTERVAL := {interval}, PRIORITY := {priority});" in configuration
