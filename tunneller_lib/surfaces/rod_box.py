@@ -112,8 +112,8 @@ def _in_plane(rod, along, across, at, guard):
             along, across, share * v[along], radial[0] + share * v[across], radial[1] + share * v[2]
         )
     if rod.ends == "flat":
-        # The plane cuts a disc along a chord, whose ends count. Where the disc lies in the plane any
-        # chord will do: the disc's own top and the corners' lines tell the rest.
+        # The plane cuts a disc along a chord, whose ends count. Where the disc lies in the plane,
+        # any chord will do: the disc's own top and the corners' lines tell the rest.
         sine = np.hypot(w[along], w[2])
         x, z = (-w[2] / sine, w[along] / sine) if sine else (0.0, 1.0)
         for centre in (np.zeros(3), v):
