@@ -5,6 +5,7 @@ import numpy as np
 from ..arguments import Corners, checked
 from .rod import Rod
 from .rod_interval import GUARD
+from .solid import outermost
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -57,8 +58,8 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
     low, high = low - rod.a[:2], high - rod.a[:2]
     reach = np.maximum(np.abs(low), np.abs(high)).max(axis=-1)
     guard = GUARD * (rod.radius + rod.length + reach)
-    _, own = rod.outermost(UP[:, None])
-    points = [way[:, 0] for way in own]  # the rod's own highest and lowest
+    _, ends = rod.hull
+    points = [way[:, 0] for way in outermost(ends, UP[:, None])]  # the rod's own highest and lowest
     for along, across in ((0, 1), (1, 0)):
         for side in (low, high):
             points += _in_plane(rod, along, across, side[..., across], guard)
