@@ -11,6 +11,7 @@ import shutil
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import nullcontext
 
 from report.lists import (
     FIGURE_LIST,
@@ -70,18 +71,21 @@ def run_stale(chosen):
     stale.reverse()  # the later ones take longer: then no processor waits for one at the end
     if not stale:
         return True
+    from report.kernels import shared_imports
+
     # The work is done in the kernels' own processes.
     pool, failed = ThreadPoolExecutor(len(os.sched_getaffinity(0))), 0
-    try:
-        futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
-        for number, future in enumerate(as_completed(futures), 1):
-            try:
-                text = future.result()
-            except NotebookFailed as error:
-                text, failed = f"failed: {error}", failed + 1
-            say(f"{number:2} of {len(stale)}  {text}")
-    finally:  # an interrupt or a full disk doesn't wait for the other notebooks
-        pool.shutdown(wait=False, cancel_futures=True)
+    with shared_imports() if len(stale) > 1 else nullcontext():
+        try:
+            futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
+            for number, future in enumerate(as_completed(futures), 1):
+                try:
+                    text = future.result()
+                except NotebookFailed as error:
+                    text, failed = f"failed: {error}", failed + 1
+                say(f"{number:2} of {len(stale)}  {text}")
+        finally:  # an interrupt or a full disk doesn't wait for the other notebooks
+            pool.shutdown(wait=False, cancel_futures=True)
     return not failed
 
 

@@ -62,8 +62,8 @@ CLOSED = [
     *(("corners", {"tolerance": t}, 0.006) for t in (3e-3, 1e-3, 2e-4)),
     *(("setpoints", {"step": step}, 1e-3) for step in (2e-2, 5e-3)),
     *(("counts", {"count": 2 * np.pi / 2**bits}, 0.025) for bits in (13, 16)),  # over one lap
-    # Over the worst move the acceleration changes, so that its mean isn't that of the middle.
-    *(("feed ripple", {"acceleration": a}, 0.2) for a in (0.5, 0.1)),
+    # The mean acceleration of a move stands for that of its middle.
+    *(("feed ripple", {"acceleration": a}, 0.02) for a in (0.5, 0.1)),
 ]
 
 
@@ -91,14 +91,6 @@ def test_corrected_chords_leave_hardly_anything_and_have_no_closed_form(toleranc
     )
     assert corrected.measured < plain.measured / 100
     assert corrected.closed is None and corrected.ratio is None
-
-
-@pytest.mark.parametrize("bits", [13, 16])
-def test_counts_are_off_by_half_a_count_of_both_joints(bits):
-    count = 2 * np.pi / 2**bits
-    fault = Case(job(count=count)).fault("counts")
-    steepest = np.abs(gradient(CIRCUIT, LAP.s, CIRCUIT.position(LAP.s))).sum(axis=-1).max()
-    assert 0.9 < max(fault.over, fault.under) / (steepest * count / 2) < 1.01
 
 
 PLANTS = {"T0": [Integrator(0.5)] * 2, "T1": [Lag(0.5, 0.02)] * 2, "T2": [*map(Rigid, AXES)]}
@@ -141,6 +133,18 @@ def test_encoder_in_slow_motion_is_half_a_count(feedforward):
     assert track.rms_error == pytest.approx(np.sqrt(square), rel=0.05)
     passed = rounding_passed(Integrator(0.5), loop, np.array([slow]), np.zeros(1))
     assert passed[0] == pytest.approx(1 / 12, rel=0.02)  # the linear theory lacks those steps
+
+
+@pytest.mark.parametrize(("delay", "passes"), [
+    (0, lambda g: g / (2 - g)), (1, lambda g: g * (1 + g) / ((1 - g) * (2 + g))),
+])  # fmt: skip
+def test_encoder_in_fast_motion_is_white_noise_to_the_loop(delay, passes):
+    """What a tick's share of the error passes on of it, and with the answer a tick later."""
+    count, tick, share = 1e-3, 0.01, 0.2
+    rates = np.linspace(10, 11, 400, endpoint=False) * count / tick
+    loop = Loop(share / tick, tick, count=count, delay=delay)
+    passed = rounding_passed(Integrator(0.5), loop, rates, np.zeros(400))
+    assert passed.mean() == pytest.approx(passes(share) / 12, rel=0.02)
 
 
 # The extremes of all feeds, resolutions and tiers tried, and some between.
@@ -256,14 +260,14 @@ T0 = Integrator(0.5)
 REFUSED = {
     "loop: must be without integral": lambda: budget(LAP, T0, pair(integral=1.0)),
     "loop: must be without integral, ": lambda: Case(LAP, T0, pair(integral=1.0)).fault("encoder"),
-    "loop: must be without integral, which": lambda: trailing(LAP, T0, pair(integral=1.0)),
+    "loop: must be without integral, which has no": lambda: trailing(LAP, T0, pair(integral=1.0)),
     "loop: must have the plan's tick": lambda: budget(LAP, T0, Loop(10.0, 0.01)),
     "plant: must be two, theta's": lambda: budget(LAP, [T0] * 3, pair()),
     "plan: must not wait": lambda: budget(LATE, T0, pair()),
-    "source: must be one for which .* knots, .*counts, feed ripple; got 'pose'": lambda: Case(
+    "source: must be one of those .* knots, .*counts, feed ripple; got 'pose'": lambda: Case(
         LAP
     ).fault("pose"),
-    "source: must be one for which .*; got 'corrected chord'": lambda: Case(LAP).fault(
+    "source: must be one of those .*; got 'corrected chord'": lambda: Case(LAP).fault(
         "corrected chord"
     ),
 }
@@ -354,12 +358,6 @@ def test_a_remedy_is_what_a_run_confirms_and_says_what_is_left(powers, found, ru
         assert remedy.what == found[0] and remedy[1:] == pytest.approx(found[1:], rel=1e-9)
 
 
-def test_a_remedy_that_cannot_be_had_is_none():
-    assert halving(ODD, lambda what, factor: None) is None
-    still = replace(ODD, deviation=np.zeros(2))
-    assert halving(still, lambda what, factor: pytest.fail("asked")) is None
-
-
 def with_key(text, key, factor):
     """Return the text of a job whose key, as `cut` says it, is multiplied by a factor."""
     table, _, name = key.partition("] ")
@@ -368,7 +366,7 @@ def with_key(text, key, factor):
     lines = text[begin:end].split("\n")
     for i, line in enumerate(lines):
         own, equals, value = line.partition(" = ")
-        if equals and not own.startswith("#") and own in (name, *([own] if not name else [])):
+        if equals and own in ((name, f"{name}_deg") if name else ("y", "roll_deg")):
             number = re.match(r"[-+.\de]+", value)[0]
             lines[i] = f"{own} = {factor * float(number)!r}"
     assert lines != text[begin:end].split("\n"), key

@@ -60,14 +60,6 @@ def test_joint_near_the_roof_decides(lowest, highest):
     assert found < 0.9 * machine.offset
 
 
-def test_joint_turns_by_at_most_a_quarter_each_way():
-    quarter = np.pi / 2
-    assert circuit_clearance(REFERENCE_MACHINE, EGG, -quarter, quarter, 0.0) > 0
-    for ends in ((-np.nextafter(quarter, 2), 0), (0, np.nextafter(quarter, 2)), (0.1, 0)):
-        with pytest.raises(ValueError, match=r"^lowest: must be at most highest, both from -pi/2"):
-            circuit_clearance(REFERENCE_MACHINE, EGG, *ends, 0.0)
-
-
 def posed(seed):
     """Return two places and a rotation at random, about the egg."""
     rng = np.random.default_rng(seed)
@@ -135,7 +127,7 @@ def in_tunnel(circuit, points, pose=None):
     return placed if pose is None else pose.moved(placed, circuit.in_tunnel(np.zeros(3)))
 
 
-@pytest.mark.parametrize("pose", [None, Pose(y=2e-3, z=-1e-3, roll=0.01, pitch=0.02, yaw=-0.01)])
+@pytest.mark.parametrize("pose", [None, Pose(y=2e-3, z=-1e-3, roll=0.1, pitch=0.2, yaw=-0.1)])
 @pytest.mark.parametrize("stance", [{}, {"pitch": 0.02, "yaw": 0.01}])
 def test_clearance_of_the_machines_parts_is_the_least_of_their_points(stance, pose):
     circuit = cutting_circuit(WITH_BODY, EGG, **stance)
@@ -152,14 +144,10 @@ def test_clearance_of_the_machines_parts_is_the_least_of_their_points(stance, po
     torus = circuit.machine.torus
     ends = torus.ring_point(theta), torus.point(theta, phi)
     joint, centre = (in_tunnel(circuit, point, pose) for point in ends)
-    back = (joint - centre) / torus.R
-    for end, nearest in ((0.0, True), (0.25, False)):
-        some = zip(centre[::8], back[::8], strict=True)
-        rims = np.concatenate([rim(c + end * v, v, 0.12)[::20] for c, v in some])
-        least = EGG.depth(rims[:, 1], rims[:, 2]).min()
-        assert parts["holder"].least <= least + 1e-12
-        # The rim about the cutter's centre decides; one place in eight is looked at.
-        assert nearest == (least < parts["holder"].least + 1e-3)
+    k = int(np.argmin(np.abs(s - parts["holder"].place)))
+    back = (joint[k] - centre[k]) / torus.R
+    rims = np.concatenate([rim(centre[k] + end * back, back, 0.12) for end in (0.0, 0.25)])
+    assert parts["holder"].least == pytest.approx(EGG.depth(*rims[:, 1:].T).min(), abs=SAGITTA)
     depth = {name: EGG.depth(p[:, 1], p[:, 2]).min() for name, p in (("a", joint), ("b", centre))}
     assert parts["cutter"].least == pytest.approx(depth["b"] - 0.2, abs=1e-12)
     assert parts["arm"].least == pytest.approx(min(depth.values()) - 0.1, abs=1e-12)
@@ -199,8 +187,3 @@ def test_plan_keeps_the_body_clear():
     message = r"^body: its holder is 0\.\d+ m in the wall \d\.\d+ m along the circuit\.$"
     with pytest.raises(ValueError, match=message):
         planned(holder_radius=0.25)
-
-
-def test_solid_clearance_of_nothing_and_of_a_point():
-    assert solid_clearance(EGG, Rod((0, 0, 0), (0, 0, 0), 1)) == np.inf
-    assert solid_clearance(EGG, Rod((9, 0.2, 0), (9, 0.2, 0), 0, ends="round")) == 0.3

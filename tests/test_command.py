@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,12 +13,14 @@ import numpy as np
 import pytest
 
 from kit import figure
-from tunneller_lib.__main__ import main, missing, own_name
-from tunneller_lib.job import WrongJob, read_job, results, wall_plot
+from tunneller_lib.__main__ import main, say, tell
+from tunneller_lib.job import WrongJob, read_job, reader, results, tables, wall_plot
 from tunneller_lib.job.results import plan_text, summary_text
+from tunneller_lib.job.tables import Size
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
-from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg, Machine
+from tunneller_lib.terminal import LONGEST
 
 READS = ["report/guide/command.md"]
 
@@ -95,26 +98,20 @@ def test_job_takes_the_tiers(job):
 def test_job_takes_everything_that_the_reference_only_names(job):
     changed = job({"# [stance]": "[stance]", "# pitch_deg = 0": "pitch_deg = 1",
                    "# yaw_deg = 0": "yaw = 0.01", "# volume": "volume", "# flow": "flow",
-                   "# valve = 0.8": "valve = 0.8", "# integral = 0": "integral = 1",
+                   "# valve = 0.8": "valve = 0.8",
                    "# encoder_deg": "encoder", "# [pose]": "[pose]", "# y = 1e-3": "y = 1e-3",
                    "# z = -5e-4": "z = -5e-4",
                    "# roll_deg": "roll_deg"})  # fmt: skip
     made = read_job(changed)
     assert made.planned.circuit.pitch == np.radians(1) and made.planned.circuit.yaw == 0.01
     assert made.planned.limits.volume == 2e-4 and made.planned.limits.flow == 1e-4
-    assert made.axes[1][0].integral == 1 and made.axes[1][0].count == 0
+    assert made.axes[1][0].count == 0
     assert made.error.y == 1e-3 and made.error.roll == np.radians(0.1)
 
 
-SIZES = (
-    "length = 1.2",
-    "width = 0.3",
-    "low = -0.25",
-    "high = 0.15",
-    "holder_radius",
-    "holder_length",
-)
-BODY = {f"# {line}": line for line in ("[body]", *SIZES)}
+BODY = {f"# {line}": line for line in (
+    "[body]", "length = 1.2", "width = 0.3", "low = -0.25", "high = 0.15", "holder_radius",
+    "holder_length")}  # fmt: skip
 
 
 def test_job_takes_a_body(job):
@@ -143,42 +140,22 @@ def test_job_takes_pieces_and_circles(job):
     assert circle.planned.circuit.section.perimeter == pytest.approx(np.pi)
 
 
-def test_job_takes_pieces_of_a_drawing_s_digits(job):
-    """A mouth profile to nine decimals, whose pieces miss each other by half a nanometre."""
-    down = np.arctan2(0.875, 0.3)
-    arcs = [
-        (0, 0, 0.5, 0, np.pi),
-        (-0.3, 0, 0.2, np.pi, down),
-        (0, 0.875, 1.125, np.pi + down, np.pi - 2 * down),
-        (0.3, 0, 0.2, -down, down),
-    ]
-    names = "y", "z", "radius", "start", "sweep"
-    rows = [", ".join(f"{name} = {value:.9f}" for name, value in zip(names, arc, strict=True))
-            for arc in arcs]  # fmt: skip
-    pieces = ", ".join(f'{{kind = "arc", {row}}}' for row in rows)
-    changes = {EGG: 'shape = "pieces"', "a = 0.5 ": f"pieces = [{pieces}] #",
-               "height = -0.36": "height = 0"}  # fmt: skip
-    section = read_job(job(changes)).planned.circuit.section
-    assert 1e-11 < section.slack < 1e-8
-    changes["a = 0.5 "] = f"pieces = [{pieces}]\nsnap = 1e-12 #"
-    with pytest.raises(
-        ValueError, match=r"^\[section\] pieces: \d of 4 doesn't begin where the last"
-    ):
-        read_job(job(changes)).planned  # noqa: B018
-    with pytest.raises(WrongJob, match=r"^\[section\] snap: isn't known; known are a"):
-        read_job(job({"a = 0.5 ": "a = 0.5\nsnap = 1e-6 #"}))
+def test_job_takes_pieces_of_a_drawing_s_digits_within_its_snap(job):
+    drawn = HORSESHOE.replace("length = 0.4}", "length = 0.400000001}", 1)
+    changes = {EGG: drawn, "a = 0.5 ": "#"}
+    assert 1e-11 < read_job(job(changes)).planned.circuit.section.slack < 1e-8
+    with pytest.raises(ValueError, match=r"^\[section\] pieces: \d of 6 doesn't begin where the"):
+        read_job(job(changes | {"a = 0.5 ": "snap = 1e-12 #"})).planned  # noqa: B018
 
 
 # Each job is asked for by the command: the exit code, and the sentence that is told.
 WRONG = [
     # what can't be read
     ({"r = 0.08": "r : 0.08"}, 2, r"isn't TOML; Expected '=' after a key.*line 8"),
-    ({"r = 0.08": "q = 0.08"}, 2, r"^\[machine\] q: isn't known; known are r, R, theta_min"),
-    ({"phi_max_deg": "phi_max_dge"}, 2,
-     r"phi_max_dge: isn't known; 'phi_max_deg' is meant, perhap"),
+    ({"r = 0.08": "q = 0.08"}, 2, r"^\[machine\] q: isn't known; known are r, R, cutter_radius"),
+    ({"phi_max_deg": "phi_max_dge"}, 2, r"_dge: isn't known; 'phi_max_deg' is meant, perhaps\.$"),
     ({"phi_max_deg = 40": "phi_max_deg = 40\nphi_max = 0.7"}, 2,
      r"^\[machine\] phi_max: is given in radians and in degrees\.$"),
-    ({"height = -0.36": ""}, 2, r"^\[machine\] height: is missing \(m\)\.$"),
     ({"theta_min_deg = -60": ""}, 2, r"theta_min: is missing \(rad, or theta_min_deg\)\.$"),
     ({EGG: 'shape = "circle"'}, 2, r"^\[section\] a: isn't known; known are radius\.$"),
     ({EGG: ""}, 2, r'^\[section\] shape: is missing \("egg", "circle" or "pieces"\)\.$'),
@@ -189,29 +166,20 @@ WRONG = [
     ({"[controller]": "[pose]"}, 2, r"^\[controller\]: is missing\.$"),
     # values of another kind
     ({"feed = 0.2 ": 'feed = "0.2 m/s" '}, 1, r"feed: must be a number in m/s; got '0\.2 m/s'\.$"),
-    ({"theta_max_deg = 35": "theta_max_deg = true"}, 1,
-     r"must be a number in degrees; got True\.$"),
+    ({"theta_max_deg = 35": "theta_max_deg = true"}, 1, r"a number in degrees; got True\.$"),
     ({"laps = 1": "laps = 1.5"}, 1, r"^\[plan\] laps: must be a whole number; got 1\.5\.$"),
     ({'"T0"': '"T9"'}, 1, r'^\[controller\] plant: must be "T0", "T1", "T2" or "T3"; got \'T9\''),
     ({'"T0"': "0"}, 1, r"^\[controller\] plant: must be a text; got 0\.$"),
-    ({EGG: 'shape = "pieces"', "a = 0.5 ": 'pieces = [{kind = "spline"}]\n#'}, 1,
-     r'^\[section\.pieces 1\] kind: must be "arc" or "line"; got \'spline\'\.$'),
-    ({'"T0"': '"\\u0007"'}, 1, r"^controller\.plant: must be a text of printable characters; got"),
-    ({"laps = 1 ": "laps = 99999999999999999999 "}, 1,
-     r"^plan\.laps: must be a number of at most 6"),
+    ({"laps = 1 ": "laps = 99999999999999999999 "}, 1, r"^\[plan\] laps: must be one whole number"),
     # of another unit
-    ({"R = 0.80 ": "R = 800 "}, 1, r"20 m; got 800\. If that is in mm, it is 0\.8 m\.$"),
+    ({"R = 0.80 ": "R = 800 "}, 1, r"^\[machine\] R: must be from 0\.001 to 20 m; got 800\.$"),
     ({"theta_min_deg = -60": "theta_min = -60"}, 1,
-     r"must be at most 3\.2 rad in size; got -60\. In degrees its name is theta_min_deg\.$"),
+     r"must be at most 3\.2 rad in size; got -60\. In degrees its name ends in _deg\.$"),
+    ({"theta_min_deg = -60": "theta_min_deg = -190"}, 1, r"at most 183\.346 degrees in size; got"),
     ({"tolerance = 1e-3 ": "tolerance = 1e-7 "}, 1,
-     r"least what a count of 0\.00549 degrees moves the cutter, 8\.4e-05 m; got 1e-07 m\.$"),
-    ({"tolerance = 1e-3 ": "tolerance = 1e-7 ", "count_deg = 0.0054931640625": ""}, 1,
-     r"what a count of 9\.59e-05 rad moves the cutter, 8\.4e-05 m; got 1e-07 m\.$"),
+     r"at least the 8\.4e-05 m that a count moves the cutter; got 1e-07 m\.$"),
     # that can't be
-    ({EGG: 'shape = "circle"', "a = 0.5 ": "radius = 0.7"}, 1,
-     r"^machine: can't cut this section; "),
-    ({"a = 0.5 ": "a = 0.9 "}, 1,
-     r"^machine: can't cut .* m\. Another \[machine\] height doesn't he"),
+    ({EGG: 'shape = "circle"', "a = 0.5 ": "radius = 0.7"}, 1, r"^machine: can't cut this section"),
     ({"height = -0.36": "height = -0.9"}, 1,
      r" \[machine\] height: may be from -0\.\d+ to -?0\.\d+ m"),
     ({EGG: 'shape = "pieces"', "a = 0.5 ":
@@ -221,32 +189,17 @@ WRONG = [
       'pieces = [{kind = "line", y = 0, z = 0, heading = 0, length = nan}]\n#'}, 1,
      r"^\[section\.pieces 1\] length: must be"),
     ({"along = 40": "along = -2"}, 1, r"^\[wall\] along, around: must hold whole numbers"),
-    ({"along = 40": "along = 100000", "around = 60": "around = 100000"}, 1,
-     r"^\[wall\] along, around: 100000 x 100000 rays, with all that is made of them, need 5e"),
-    ({"delay = 1": "delay = -1"}, 1,
-     r"^\[controller\] delay: must be one whole number from 0 to 100"),
+    ({"along = 40": "along = 2001", "around = 60": "around = 2000"}, 1,
+     r"^\[wall\] along, around: must be at most 4000000 rays together; got 2001 x 2000\.$"),
+    ({"delay = 1": "delay = -1"}, 1, r"^\[controller\] delay: must be one whole number from 0 to"),
+    ({"tick = 5e-3": "tick = -1"}, 1, r"^\[plan\] tick: must be"),
     ({"# [pose]": "[pose]", "# y = 1e-3": "y = inf"}, 1, r"^\[pose\] y: must be"),
-    ({"# [stance]": "[stance]", "# pitch_deg = 0 ": "pitch_deg = nan "}, 1,
-     r"^\[stance\] pitch_deg: must be one finite number; got nan\.$"),
-    ({'"T0"': '"T3"', "gain = 10": "gain = 1000"}, 1,
-     r"^\[controller\] gain .* needs 1e\+03 1/s and"),
+    ({'"T0"': '"T3"', "gain = 10": "gain = 1000"}, 1, r"^\[controller\] gain .* needs 1e\+03 1/s"),
     ({"arm_radius = 0.1": "arm_radius = 0.3"}, 1, r"^\[plan\] arm_radius: an arm of 0\.3 m is"),
     (BODY | {"# width = 0.3": "width = 0.9"}, 1, r"^\[body\] its box is 0\.0"),
-    (BODY | {"# high = 0.15": "high = -0.3"}, 1,
-     r"^\[body\] low: must be below high; got -0\.25 and"),
-    ({"# path = \"corrected": "path = \"correct"}, 1,
-     r"^\[plan\] path: must be \"projected chord\" or"),
-    ({"theta_min_deg = -60": "theta_min_deg = 60"}, 1,
-     r"^\[machine\] theta_min_deg: must be below thet"
-     r"a_max_deg, both in degrees from -180 to 180; got 60 and 35\.$"),
-    ({"theta_min_deg = -60": "theta_min = 1"}, 1,
-     r"^\[machine\] theta_min: must be below theta_max, bo"
-     r"th in rad from -pi to pi; got 1 and 0\.610865\.$"),
-    ({"# encoder_deg = 0": "encoder_deg = 10"}, 1,
-     r"^\[controller\] encoder_deg: must be from 5\.72958e-08 to 5\.72958 degrees; got 10\. If"),
-    ({"# [hydraulics]": "", "# volume = 2e-4": "power = 3e3"}, 1,
-     r"^\[limits\] power: needs the ground"),
-    ({"# integral = 0": "integral = 1"}, 1, r"^\[controller\] integral: must be 0, .*; got 1\.$"),
+    (BODY | {"# high = 0.15": "high = -0.3"}, 1, r"^\[body\] low: must be below high; got -0\.25"),
+    ({"# path = \"corrected": "path = \"correct"}, 1, r"^\[plan\] path: must be \"projected chord"),
+    ({"# [hydraulics]": "", "# volume = 2e-4": "power = 3e3"}, 1, r"\] power: needs a table"),
 ]  # fmt: skip
 
 
@@ -260,17 +213,14 @@ def test_wrong_job_is_told_in_a_sentence(capsys, job, changes, code, sentence):
 
 
 ODD_FILES = [
-    (b"a = " + b"[" * 3000, "is nested too deeply for a job."),
-    (b"a = 1" + b"0" * 3990, "a: must be a number of at most 64 bits."),
-    (b"# " + b"a" * 4000, "has a line of more than 4000 characters."),
+    (b"a = " + b"[" * 3000, "bytes.toml: isn't TOML; "),
+    (b"# " + b"a" * 4000, "has a line of more than 4000 bytes."),
     (b"# a\n" * 25_001, "is larger than a job may be, 100000 bytes."),
-    (b"[section]\npieces = [{y = 1e3}, {y = 99999999999999999999}]",
-     "section.pieces.y: must be a number of at most 64 bits."),
-    (b'["a\\u001b[31mb"]', r"a\x1b[31mb: must be a name of printable characters."),
+    (b'["a\\u001b[31mb"]', r"[a\x1b[31mb]: is no table of a job; known are machine, "),
     (b".".join([b"a"] * 90) + b" = 1", "[a]: is no table of a job; known are machine, "),
     (b'["' + b"a" * 3000 + b'"]', "[" + "a" * 99 + "..." + "a" * 98 + "]: is no table of a job;"),
     (b"machine = " + b"[" * 90 + b"]" * 90, "machine: must be a table, [machine]; got [[[[[[[...]"),
-    (b"\xff\xfe", "bytes.toml: is no text in UTF-8."),
+    (b"\xff\xfe", "bytes.toml: isn't TOML; 'utf-8' codec can't decode"),
 ]  # fmt: skip
 
 
@@ -287,7 +237,7 @@ def test_job_without_a_readable_file_is_told(tmp_path):
     for path, said in [
         (tmp_path / "none.toml", r"none\.toml: can't be read; No such file"),
         (tmp_path / "a\x1b[2J\n.toml", r"a\\x1b\[2J\\n\.toml: can't be read; No such file"),
-        ("a\0b", r"^a\\x00b: can't be read; it isn't the name of a file\.$"),
+        ("a\0b", r"^a\\x00b: can't be read; embedded null byte\.$"),
     ]:
         with pytest.raises(WrongJob, match=said):
             read_job(path)
@@ -303,7 +253,7 @@ def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
 FILES = {"budget.csv", "plan.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st",
          "line.c",
          "controller.c", "controller.h", "controller.st", "blocks.st", "controller.xml",
-         "section.dxf", "wall.vtk", "wall.stl", "wall.png", "laps.png", "manifest.txt"}  # fmt: skip
+         "section.dxf", "wall.stl", "wall.png", "laps.png", "manifest.txt"}  # fmt: skip
 
 
 def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
@@ -321,7 +271,7 @@ def test_cut_answers_in_json_and_writes_its_files(capsys, job, tmp_path):
     assert all(0 <= fault["rms_m"] < 0.01 for fault in answer["faults"])
     assert answer["faults"][-1]["closed_m"] == pytest.approx(1e-3, rel=0.01)
     assert {Path(name).name for name in answer["files"]} == FILES == {p.name for p in out.iterdir()}
-    for step in ("planning ...", "planned: ", "simulating ...", "cutting: lap 1 of 1",
+    for step in ("planning ...", "planned: ", "simulating 1 x", "cutting: lap 1 of 1",
                  "budget: source 9 of 9", "writing "):  # fmt: skip
         assert step in told
     assert answer["warnings"] == []
@@ -364,28 +314,17 @@ def test_people_are_told_what_a_machine_lacks(capsys, job):
     assert [" ".join(line.split()) for line in said[len(plain) :]] == [
         "", "the machine has needs", "pump 0.0025 0.001 m^3/s",
         "in step, theta 1.6e+04 2.7e+04 N s/m, less than needed",
-        "in step: the ground's damper where picks follow each other in one track;",
-        "a joint that has less would chatter in it, at any feed; the budget is of picks that",
-        "don't follow each other in one track",
+        "in step: the ground's damper if picks follow each other in one track; a joint that",
+        "has less would chatter at any feed; the budget assumes that picks aren't in step",
     ]  # fmt: skip
 
 
-def test_cut_warns_of_what_is_hardly_meant(capsys, job, tmp_path):
-    changes = {"tolerance = 1e-3": "tolerance = 0.03", "along = 40": "along = 3",
-               "around = 60": "around = 12"}  # fmt: skip
+def test_cut_warns_of_a_tolerance_as_large_as_the_depth(capsys, job, tmp_path):
+    changes = {"tolerance = 1e-3": "tolerance = 0.03"}
     code, said, told = run(capsys, "cut", job(changes), "--out", tmp_path / "cut", "--json")
-    asked, along, around = json.loads(said)["warnings"]
-    assert code == 0
-    assert told.splitlines()[-3:] == [f"warning: {line}" for line in (asked, along, around)]
-    assert asked.startswith("[plan] tolerance: 0.03 m isn't below the depth of cut 0.02 m; ")
-    # Half a groove is half a chord of the ball; the section's length goes by twelve.
-    assert around == "[wall] around: 12 rays are 330 mm apart, and half a groove is 87 mm wide."
-    # The ground reaches from the first place of the cutter to the last, and a radius on.
-    circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
-    at = circuit.point(np.linspace(0, circuit.profile.perimeter, 2001))
-    apart = (np.ptp(at[:, 0]) + 2 * REFERENCE_MACHINE.cutter_radius) / 3
-    said = int(re.match(r"\[wall\] along: 3 rays are (\d+) mm apart", along)[1])
-    assert said == pytest.approx(1e3 * apart, rel=0.02)
+    [warning] = json.loads(said)["warnings"]
+    assert code == 0 and told.splitlines()[-1] == f"warning: {warning}"
+    assert warning.startswith("[plan] tolerance: 0.03 m isn't below the depth of cut 0.02 m; ")
 
 
 def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job):
@@ -407,15 +346,6 @@ def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job
     assert [line.get_label() for line in lines] == ["lap 1", "lap 3, beside another"]
 
 
-def test_several_times_the_tolerance_is_three_times(job):
-    made = read_job(job())
-    for over, under in ((3.01e-3, 0), (0, 3.01e-3), (2.99e-3, 2.99e-3)):
-        name = "over" if over > 3e-3 else "under"
-        expected = [f"the {name}break of 3.01 mm is 3 times the tolerance of 1 mm; above 3 times "
-                    "this is said."]  # fmt: skip
-        assert results._warnings(made, over, under) == (expected if max(over, under) > 3e-3 else [])
-
-
 def test_overshoot_where_the_cutter_enters_counts(job):
     made = read_job(job())
     cut = made.simulated()
@@ -428,18 +358,39 @@ def test_overshoot_where_the_cutter_enters_counts(job):
 
 def test_cut_looks_at_its_folder_before_it_simulates(capsys, job, tmp_path):
     (tmp_path / "file").touch()
-    why = f"{tmp_path / 'file' / 'cut'}: Not a directory."
     code, said, told = run(capsys, "cut", job(), "--out", tmp_path / "file" / "cut", "--json")
-    assert code == 2 and json.loads(said) == {"wrong": why} and "planning" not in told
+    assert code == 2 and str(tmp_path / "file") in json.loads(said)["wrong"]
+    assert "planning" not in told
 
 
-@pytest.mark.parametrize(
-    ("file", "name"),
-    [("...toml", "job"), ("..", "job"), ("a/../...toml", "job"), ("-", "job"),
-     (".toml", ".toml"), ("tunnel.v2.toml", "tunnel.v2"), ("a/b.toml", "b"), ("..a.toml", "..a")],
-)  # fmt: skip
-def test_job_writes_into_a_folder_called_by_its_name(file, name):
-    assert own_name(Path(file)) == name
+@pytest.mark.parametrize("file", ["...toml", "tunnel.v2.toml"])
+def test_job_writes_into_a_folder_of_its_own_under_build(job, tmp_path, monkeypatch, file):
+    job().rename(tmp_path / file)
+    monkeypatch.setattr("tunneller_lib.job.atomic_write.output", lambda path: asked.append(path))
+    asked = []
+    with pytest.raises(TypeError):  # with None instead of a folder to write into
+        main(["cut", str(tmp_path / file)])
+    assert asked[0].parent == Path("build") and asked[0].name in ("toml", "job", "tunnel.v2")
+
+
+def test_a_job_in_ground_asks_for_the_share_of_its_valves_that_the_reference_says(job):
+    [said] = re.findall(r"^# valve = (\S+)", REFERENCE.read_text(), re.MULTILINE)
+    usual, more = (
+        read_job(job(changes, quick=False)).planned.limits
+        for changes in ({}, {"# valve = 0.8": "valve = 0.9"})
+    )
+    assert usual.valve == float(said) == 0.8 and more.valve == 0.9
+    assert usual.flow == 1.5e-4  # m^3/s, the pump's
+
+
+def test_litres_of_a_cut_are_those_that_its_ground_has_lost(job):
+    made = read_job(job())
+    cut = made.simulated()
+    lines = cut.wall.lines
+    begins = made.planned.circuit.section.ray(np.arctan2(lines.sin, lines.cos))
+    lost = DexelGrid(lines, begins, cut.wall.high.max(axis=0)).volume - cut.wall.volume
+    assert results.summarise(made, cut)["removed_m3"] == pytest.approx(lost, rel=1e-9)
+    assert cut.plunged > 0.003 * cut.removed.sum() > 0
 
 
 def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
@@ -454,7 +405,7 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     assert any(line.startswith("lap 1, in whole ground: overbreak 0.") for line in lines)
     assert knots[0] == "knots" and knots[5:11] == "largest 1.00 [plan] tolerance x 0.50".split()
     assert corners[7:11] == ["[plan]", "tolerance", "x", "0.50"]
-    assert counts[7:11] == ["[plan]", "count_deg", "x", "0.50"]
+    assert counts[7:11] == ["[plan]", "count", "x", "0.50"]
     assert all(0.4 <= float(row[11]) <= 0.6 for row in (knots, corners, counts))
     assert knots[12:] == ["your", "choice"]
 
@@ -498,12 +449,6 @@ def test_cut_without_matplotlib_leaves_out_its_pictures(job, tmp_path):
     assert left in done.stderr
 
 
-def test_command_names_a_package_that_cannot_be_loaded():
-    error = ImportError("cannot import name 'a' from 'PIL'.\nHelp.", name="PIL.Image")
-    why = "cannot import name 'a' from 'PIL'"
-    assert missing(error) == f"the package pillow can't be loaded; {why}."
-
-
 @pytest.mark.parametrize(("error", "code", "answer"), [
     (KeyboardInterrupt(), 130, {"interrupted": True}),
     (MemoryError(), 1, {"refused": "the job needs more memory than there is."}),
@@ -529,3 +474,54 @@ def test_answer_that_nobody_reads_stops_nothing():
     process.stdin.close()
     assert process.wait(30) == 0 and told.read() == ""
     told.close()
+
+
+def test_progress_is_a_line_that_no_terminal_obeys(capsys):
+    say("a\x1b[2Jb\r\n\u202ec" + "x" * 100_000 + " end.")
+    told = capsys.readouterr().err
+    assert told.startswith(r"a\x1b[2Jb\r\n\u202ecx") and told.endswith("x end.\n")
+    assert told.count("\n") == 1 and len(told) == LONGEST + 1
+
+
+def test_answer_is_json_where_a_number_is_not_finite(capsys):
+    tell({"has": np.inf, "rows": [{"needs": -np.inf, "x": 1.5}, (np.nan, 2)], "n": 3, "s": "a"})
+    assert json.loads(capsys.readouterr().out, parse_constant=pytest.fail) == {
+        "has": None, "rows": [{"needs": None, "x": 1.5}, [None, 2]], "n": 3, "s": "a"
+    }  # fmt: skip
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux has /dev/full")
+def test_an_answer_that_finds_no_room_is_told():
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([sys.executable, "-m", "tunneller_lib", "example"], cwd=ROOT,
+                              text=True, stdout=full, stderr=subprocess.PIPE)  # fmt: skip
+    assert done.returncode == 2 and done.stderr == "wrong: No space left on device.\n"
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="Linux has /dev/zero")
+def test_endless_file_is_refused_before_it_is_read(capsys):
+    assert run(capsys, "cut", "/dev/zero")[0] == 2
+
+
+def test_reference_is_plausible_and_so_is_a_machine_three_times_as_large_or_small():
+    named = re.sub(r"^# (?=\[|[a-z_R]+ = )", "", REFERENCE.read_text(), flags=re.M)
+    for table, given in tomllib.loads(named).items():
+        sizes = getattr(reader, table.upper(), {})
+        values = tables.read_table(table, given, sizes) if sizes else {}
+        for key, value in values.items():
+            for scale in (1 / 3, 3) if sizes[key][0] == "m" else ():
+                assert tables.read_table(table, {key: scale * value}, sizes)
+
+
+def test_limits_of_plausible_sizes_pass_and_what_is_next_to_them_is_refused():
+    sizes = {"power": Size("W", 20.0, 1e7), "turn": Size("rad", most=3.2)}
+    for value in (20, 20.0, 1e7, 0, -0.0, -5.0, np.inf, np.nan):
+        tables.read_table("limits", {"power": value}, sizes)
+    for value in (np.nextafter(20, 0), np.nextafter(1e7, 1e8), 5e-324, 1e300, 10**300):
+        with pytest.raises(ValueError, match=r"\] power: must be from 20 to 1e\+07 W; got"):
+            tables.read_table("limits", {"power": value}, sizes)
+    for value in (3.2, -3.2):
+        tables.read_table("limits", {"turn": value}, sizes)
+        with pytest.raises(ValueError, match=r"turn: must be at most 3\.2 rad"):
+            tables.read_table("limits", {"turn": 1.01 * value}, sizes)
+    assert tables.read_table("limits", {"turn_deg": 90}, sizes) == {"turn": np.pi / 2}

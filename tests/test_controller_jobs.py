@@ -147,7 +147,6 @@ def test_ideal_encoder_is_exported_with_the_counts_of_the_set_values():
 
 
 REFUSED = [
-    ({"controller": {"integral": 0.5}}, r"^\[controller\] integral: must be 0 "),
     ({"controller": {"trip": 1e-5}}, r"^\[controller\] trip: .* without a fault; got 1e-05 m, "),
     ({"controller": {"feedforward": 0.0, "gain": 4.0}}, r"^\[controller\] trip: .* would do\.$"),
     ({"controller": {"operations": 1e3}}, r"^\[controller\] operations: the slow task takes "),

@@ -4,7 +4,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import to_rgba
 
 from exhibits import (
     cone_plot,
@@ -16,7 +15,7 @@ from exhibits import (
     response_plot,
     rod_plot,
 )
-from kit import COLOURS, figure
+from kit import figure
 from tunneller_lib.motion import Integrator, Loop, Resonance, follow
 from tunneller_lib.motion.tasks import HandOver, Task
 from tunneller_lib.paths import ConeChord
@@ -67,22 +66,6 @@ def test_side_view_has_both_limbs_and_the_tunnel_levels(ax):
     assert levels[0.0].get_linewidth() < levels[EGG.a].get_linewidth()
 
 
-def test_plan_view_turns_the_arm_by_phi(ax):
-    machine_plot.draw_plan_view(ax, REFERENCE_MACHINE, 0.3)
-    leg, arm = ax.lines[1:3]
-    assert length(leg) == pytest.approx(REFERENCE_MACHINE.r)
-    x, y = np.diff(arm.get_xydata(), axis=0)[0]
-    assert np.arctan2(y, x) == pytest.approx(0.3)
-    assert np.hypot(x, y) == pytest.approx(REFERENCE_MACHINE.R)
-
-
-def test_limits_are_the_machine_s(ax):
-    [line] = machine_plot.draw_limits(ax, REFERENCE_MACHINE)
-    low, high = np.radians([line.get_xydata().min(axis=0), line.get_xydata().max(axis=0)])
-    assert low == pytest.approx([REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min])
-    assert high == pytest.approx([REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max])
-
-
 def test_section_and_its_construction_lie_on_the_curve(ax):
     plot.draw_section(ax, EGG)
     [line] = ax.lines
@@ -98,21 +81,6 @@ def test_section_and_its_construction_lie_on_the_curve(ax):
 
 
 # ---- the torus and its paths ----------------------------------------------------------------
-
-
-def test_tangent_spheres_touch_the_meridian_and_the_working_one_stands_out(ax):
-    m = np.array([1.2, 0.3, 0.0])
-    plot.draw_tangent_spheres(ax, TORUS, m)
-    circles = ax.patches
-    feet = TORUS.feet(m)
-    for circle, foot in zip(circles, feet, strict=True):
-        assert circle.radius == pytest.approx(np.linalg.norm(foot - m))
-    for text in ax.texts[:4]:  # at one distance from each foot
-        assert np.hypot(*text.xyann) == pytest.approx(14)
-    working, *others = circles
-    assert all(working.get_linewidth() > other.get_linewidth() for other in others)
-    assert working.get_edgecolor() == to_rgba(COLOURS["tangent sphere"])
-    assert all(working.get_edgecolor() != other.get_edgecolor() for other in others)
 
 
 def test_ways_begin_and_end_together_and_the_legend_has_their_excess(ax):
@@ -138,36 +106,7 @@ def test_cone_unrolls_with_a_straight_geodesic(ax):
     np.testing.assert_allclose(points.get_xydata(), path.get_xydata()[[0, 100, 200]], atol=1e-12)
 
 
-def test_cone_seen_from_afar_has_the_lengths_of_its_projection(ax):
-    chord = ConeChord(1.0, 1.0, 0.5, 0.25)
-    share = np.linspace(0, 1, 5)
-    cone_plot.draw_cone(ax, chord, share)
-    geodesic, path, points = ax.lines[-3:]
-    for line in (geodesic, path, points):
-        ends = line.get_xydata()[[0, -1]]
-        # From midway between P and Q: across, half a turn's sine; upwards, less for the far ones.
-        sine, cosine = np.sin(chord.turn / 2), np.cos(chord.turn / 2)
-        radius = np.array([1.0, 0.5])
-        height = -radius * np.cos(cone_plot.HEIGHT) - radius * cosine * np.sin(cone_plot.HEIGHT)
-        expected = np.transpose([[-1.0, 0.5] * np.array(sine), height])
-        np.testing.assert_allclose(ends, expected, atol=1e-12)
-    assert [text.get_text() for text in ax.texts] == ["apex", "$P$", "$Q$"]
-    outline = [line.get_xydata() for line in ax.lines[2:4]]
-    rim = np.concatenate([line.get_xydata() for line in ax.lines[:2]])
-    for ruling in outline:  # all of the rim lies on one side of it
-        side = np.cross(np.append(ruling[1], 0), np.pad(rim, ((0, 0), (0, 1))))[:, 2]
-        assert side.min() > -1e-9 or side.max() < 1e-9
-
-
 # ---- rods and balls -------------------------------------------------------------------------
-
-
-def test_shadow_is_a_rectangle_between_two_ellipses(ax):
-    rod_plot.draw_shadow(ax, 0.5, 2.0, 0.3)
-    rectangle, lower, upper = ax.patches
-    assert (rectangle.get_width(), rectangle.get_height()) == (2.0, 1.0)
-    assert (lower.center, upper.center) == ((0, 0), (2.0, 0))
-    assert {lower.height, upper.height} == {1.0} and {lower.width, upper.width} == {0.3}
 
 
 def test_two_balls_leave_a_bowl_and_a_ring(ax):
@@ -185,53 +124,7 @@ def test_two_balls_leave_a_bowl_and_a_ring(ax):
     assert area_of(rings) == pytest.approx(ring, rel=1e-2)
 
 
-@pytest.mark.parametrize("depth", [0.05, 0.5, 0.9])
-def test_sector_and_segment_of_a_groove_differ_by_a_triangle(ax, depth):
-    radius = 0.5
-    groove_plot.draw_sector_and_segment(ax, radius, depth)
-    sector, segment = (area(patch.get_xy()) for patch in ax.patches)
-    beta = np.arccos((radius - depth) / radius)
-    assert sector == pytest.approx(radius**2 * beta, rel=1e-3)
-    triangle = (radius - depth) * radius * np.sin(beta)
-    assert sector - segment == pytest.approx(triangle, rel=1e-6, abs=1e-12)
-
-
-@pytest.mark.parametrize("pitch", [0.1, 3.0])
-def test_a_pass_takes_what_the_earlier_one_left(ax, pitch):
-    radius, depth = 0.5, 0.05
-    groove_plot.draw_passes(ax, radius, depth, pitch)
-    _earlier, taken = ax.collections
-    sector = ax.patches[-1]
-    to_chord = radius - depth
-
-    def segment(height):
-        """Return the area of a circle's part beyond a chord at this height."""
-        return radius**2 * np.arccos(height / radius) - height * np.sqrt(radius**2 - height**2)
-
-    x = np.linspace(-radius, radius, 200_001)
-    now, before = (np.sqrt(np.clip(radius**2 - (x - at) ** 2, 0, None)) for at in (0, -pitch))
-    expected = np.trapezoid(np.maximum(now - np.maximum(before, to_chord), 0), x)
-    if pitch > 2 * radius:
-        assert expected == pytest.approx(segment(to_chord), rel=1e-6)
-    assert area_of(taken) == pytest.approx(expected, rel=1e-2)
-    half = np.degrees(np.arccos(to_chord / radius))
-    assert sector.theta2 - sector.theta1 == pytest.approx(2 * half)
-    groove_plot.draw_passes(ax, radius, 2 * radius, pitch)
-
-
 # ---- set-values and tasks -------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("box", "count"), [(None, 0), (0.0, 0), (1.0, 3)])
-def test_setvalues_have_a_box_each_where_it_has_a_height(ax, box, count):
-    t, values, ideal = [0.0, 0.5, 1.0], [0.0, 1.0, 1.0], [0.0, 0.6, 1.2]
-    motion_plot.draw_setvalues(ax, t, values, ideal, box=box)
-    line, circles = ax.lines
-    np.testing.assert_array_equal(line.get_data(), [t, ideal])
-    np.testing.assert_array_equal(circles.get_data(), [t, values])
-    assert len(ax.patches) == count
-    for patch, x, y in zip(ax.patches, t, values, strict=False):
-        assert patch.get_center().tolist() == [x, y]
 
 
 def test_responses_say_which_models_are_unstable(ax):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exhibits.interpolators import INTERPOLATORS, listing
+from exhibits.interpolators import INTERPOLATORS
 from tunneller_lib.motion import (
     polyline,
     polyline_slopes,
@@ -67,19 +67,6 @@ def test_time_bresenham_keeps_half_a_count_and_its_ends_there_and_back(tie, star
     np.testing.assert_array_equal(time_bresenham(-start, -stop, ticks, tie=other), -line)
 
 
-def test_time_bresenham_is_a_drawn_line_where_an_axis_takes_every_step():
-    # The line of 1965, in the first octant: x is the cardinal axis and moves by one.
-    for dx, dy in [(10, 3), (7, 7), (12, 5), (9, 0)]:
-        decision, y, drawn = 2 * dy - dx, 0, []
-        for _ in range(dx + 1):
-            drawn.append(y)
-            if decision >= 0:
-                y, decision = y + 1, decision - 2 * dx
-            decision += 2 * dy
-        x, line = time_bresenham([0, 0], [dx, dy], dx)
-        assert (x.tolist(), line.tolist()) == (list(range(dx + 1)), drawn)
-
-
 def test_time_bresenham_broadcasts_and_leaves_its_arguments():
     start, stop = np.array([[0], [5]]), np.array([10, -3, 7])
     kept = start.copy(), stop.copy()
@@ -134,16 +121,6 @@ def test_rounding_spectrum_is_that_of_the_line(ticks):
 # ---- the rivals -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", INTERPOLATORS)
-def test_rivals_have_one_interface(name):
-    starts, stops = np.array([0, 5, 30, -7]), np.array([100, 30, 5, -7])
-    lines = INTERPOLATORS[name](starts, stops, 50)
-    assert lines.shape == (4, 51)
-    np.testing.assert_array_equal(lines[:, 0], starts)
-    for line, start, stop in zip(lines, starts, stops, strict=True):
-        np.testing.assert_array_equal(INTERPOLATORS[name](start, stop, 50), line)
-
-
 def worst(name, difference, ticks):
     exact = np.arange(ticks + 1) * (difference / ticks)
     return np.max(np.abs(INTERPOLATORS[name](0, difference, ticks) - exact))
@@ -161,11 +138,6 @@ def test_rivals_err_as_their_kind_does():
     for rival in ("DDA, single precision", "listing, single precision"):
         assert worst(rival, difference, ticks) > worst(rival, difference // 60, ticks // 60)
     assert worst("DDA, single precision", difference, ticks) > 3
-
-
-def test_listing_has_the_last_sample_that_rounding_would_put_off():
-    assert 1000.4 - 1000.1 < 0.3
-    assert listing(1000.1, 1000.4, 0, 3, 0.1)[0].size == 4
 
 
 # ---- wrong input ----------------------------------------------------------------------------
@@ -190,16 +162,3 @@ def test_listing_has_the_last_sample_that_rounding_would_put_off():
 def test_moves_refuse_what_does_not_fit_an_array_or_a_controller(call, said):
     with pytest.raises(ValueError, match=f"^{said}"):
         call()
-
-
-@pytest.mark.parametrize("difference", [-32_001, -7, 1, 2, 31_999])
-@pytest.mark.parametrize("ticks", [3, 7, 1000])
-def test_fixed_point_slopes_are_rounded_or_cut_off(difference, ticks):
-    slope = Fraction(difference, ticks) * 2**16
-    for name, step, half in (
-        ("Q16.16, rounded", floor(slope + Fraction(1, 2)), 2**15),
-        ("Q16.16, truncated", floor(slope), 0),
-    ):
-        expected = [(n * step + half) >> 16 for n in range(ticks + 1)]
-        found = INTERPOLATORS[name](-5, difference - 5, ticks)
-        assert (found + 5).tolist() == expected

@@ -82,11 +82,6 @@ def test_joint_swings_up_beyond_the_limit_and_not_below(joint, picks, lever):
     assert grown > 2 and found == pytest.approx(frequency, abs=1.0)
 
 
-def test_limit_falls_with_the_square_of_the_lever():
-    near, far = (chatter_limit(PLANTS[0], LOOP, ANGLE, lever, 12.0) for lever in (0.4, 0.8))
-    assert near[0] == pytest.approx(4 * far[0], rel=1e-9) and near[1] == far[1]
-
-
 def test_margins_of_a_job_are_the_least_of_its_joints():
     job = read_job(JOB)
     theta, phi = job.in_step

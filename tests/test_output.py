@@ -1,43 +1,61 @@
-"""What a command leaves: one job's files whole, whatever happens to it, and a user's untouched."""
+"""What a command leaves: one job's files whole, whatever happens to it; read back by others."""
 
 import os
 import re
 import shutil
 import subprocess
-import sys
 from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import pytest
+import pyvista
 
+from kit import figure
 from tests.examples.job import _JOB
 from tunneller_lib.__main__ import main
-from tunneller_lib.job.atomic_write import list_files, output
+from tunneller_lib.job import mesh, read_job, wall_plot
+from tunneller_lib.job.atomic_write import output, replacement
+from tunneller_lib.job.csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv
+from tunneller_lib.job.drawing import dxf
+from tunneller_lib.job.results import write_all
 from tunneller_lib.job.tables import stamp_of
+from tunneller_lib.motion import polyline
+from tunneller_lib.paths import cutting_circuit
+from tunneller_lib.ream import Limits, carve, plan
+from tunneller_lib.ream.wall import standing
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, Line, closed_profile
 
 READS = []
 
-ROOT = Path(__file__).resolve().parents[1]
 LATER = _JOB.read_text(encoding="utf-8").replace("gain = 10", "gain = 9")
 BAD = LATER.replace("gain = 9", "gain = 1000")
 JOBS = {"earlier": _JOB.read_text(encoding="utf-8"), "later": LATER, "bad": BAD}
+EGG = Egg(0.5)
+SQUARE = closed_profile([
+    Line(y, z, k * np.pi / 2, 1.0)
+    for k, (y, z) in enumerate([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+])  # fmt: skip
+CIRCLE = closed_profile([Arc(0.1, -0.2, 0.6, 0.3, 2 * np.pi)])
+PLAN = plan(cutting_circuit(REFERENCE_MACHINE, EGG), Limits(feed=0.2, acceleration=0.5),
+            tolerance=1e-3, step=1e-2, rest=0.2, laps=2, advance=0.04)  # fmt: skip
+
+
+# A run's folder
 
 
 def told_by(folder):
     """Return whose files are in a folder that is whole: each as listed and of the same job."""
     first, *lines = (folder / "manifest.txt").read_text().splitlines()
-    names = set()
-    for line in lines:
-        digest, name = line.split("  ")
+    stamp = first.removeprefix("# ").partition(";")[0].encode()
+    listed = dict(reversed(line.split("  ")) for line in lines)
+    assert {path.name for path in folder.iterdir()} == {*listed, "manifest.txt"}
+    for name, digest in listed.items():
         content = (folder / name).read_bytes()
         assert sha256(content).hexdigest() == digest, name
-        stamp = first.removeprefix("# ").partition(";")[0].encode()
         assert stamp in content or (name.endswith(".csv") and name != "plan.csv"), name
-        names.add(name)
-    assert {path.name for path in folder.iterdir()} == {*names, "manifest.txt"}
-    assert len(names) > 11
     name, digest = re.search(r"job (\w+)\.toml, sha256 (\w+);", first).groups()
-    assert sha256(JOBS[name].encode()).hexdigest().startswith(digest)
+    assert len(listed) > 11 and sha256(JOBS[name].encode()).hexdigest().startswith(digest)
     return name
 
 
@@ -47,7 +65,7 @@ def jobs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("jobs")
     for name, text in JOBS.items():
         (folder / f"{name}.toml").write_text(text, encoding="utf-8")
-    assert main(["cut", str(folder / "earlier.toml"), "--out", str(folder / "earlier")]) == 0
+    assert cut(folder, "earlier", folder / "earlier") == 0
     return folder
 
 
@@ -63,16 +81,13 @@ def test_files_say_which_job_they_are_of(jobs):
         subprocess.run(check, cwd=jobs / "earlier", check=True, stdout=subprocess.DEVNULL)
 
 
-def test_same_job_gives_the_same_bytes_through_a_link_over_a_system_s_litter(jobs, tmp_path):
+def test_same_job_gives_the_same_bytes_through_a_link(jobs, tmp_path):
     (tmp_path / "disk" / "again").mkdir(parents=True)
-    (tmp_path / "disk" / "again" / ".DS_Store").write_bytes(b"")
     (tmp_path / "again").symlink_to(tmp_path / "disk" / "again")
     assert cut(jobs, "earlier", tmp_path / "again") == 0
     assert (tmp_path / "again").is_symlink()
-    names = {path.name for path in (jobs / "earlier").iterdir()}
-    assert names == {path.name for path in (tmp_path / "disk" / "again").iterdir()}
-    for name in names:
-        assert (jobs / "earlier" / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
+    for path in (jobs / "earlier").iterdir():
+        assert path.read_bytes() == (tmp_path / "disk" / "again" / path.name).read_bytes()
 
 
 def test_stamp_keeps_to_letters_that_any_comment_may_hold():
@@ -80,113 +95,21 @@ def test_stamp_keeps_to_letters_that_any_comment_may_hold():
     assert re.fullmatch(r"tunneller_lib [\d.]+, job [\w.]{20}, sha256 [0-9a-f]{16}", stamp, re.A)
 
 
-KILLED = """
-import os, shutil, sys
-from pathlib import Path
-from tunneller_lib import __main__ as command
-from tunneller_lib.job import results
-from tests.test_output import told_by
-
-jobs, place = map(Path, sys.argv[1:])
-
-def files(job, *_):
-    # Write what no simulation is needed for.
-    folder = place / ".cut.tunneller" / "new" / "cut"
-    folder.mkdir()
-    made = [folder / f"{n}.txt" for n in range(12)]
-    for file in made:
-        file.write_text(job.stamp)
-    return made
-
-command.simulated = lambda job: None
-results.summarise = lambda *_: {"warnings": []}
-results.summary_text = lambda numbers: ""
-results.write_all = files
-command.draw_wall = lambda *_: []
-arguments = ["cut", str(jobs / "later.toml"), "--out", str(place / "cut")]
-sys.stderr = open(os.devnull, "w")
-
-def ended(after):
-    # Return the exit code of a cut that is killed before it touches a file once more.
-    if not (child := os.fork()):
-        left = [after]
-        def count(event, about):
-            if about and str(about[0]).startswith(str(place)):
-                left[0] -= 1
-                if left[0] < 0:
-                    os._exit(99)
-        sys.addaudithook(count)
-        sys.stdout = sys.stderr
-        os._exit(command.main(arguments))
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-
-after, seen = 0, []
-while True:
-    for path in place.iterdir():
-        shutil.rmtree(path)
-    shutil.copytree(jobs / "earlier", place / "cut")
-    code = ended(after)
-    seen.append(told_by(place / "cut") if (place / "cut").exists() else "none")
-    if code == 0:
-        break
-    assert code == 99, code
-    if after % 5 == 0 or seen[-1] == "none":  # the next run ends well and leaves nothing behind
-        assert ended(9**9) == 0 and told_by(place / "cut") == "later"
-        assert [path.name for path in place.iterdir()] == ["cut"]
-    after += 1
-print(*seen)
-"""
-
-
-def test_cut_killed_anywhere_leaves_the_files_of_one_job(jobs, tmp_path):
-    command = [sys.executable, "-c", KILLED, jobs, tmp_path]
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True)
-    assert done.returncode == 0, done.stderr
-    seen = done.stdout.split()
-    assert seen.count("earlier") > 30 and seen.count("later") > 3 and seen.count("none") == 1
-    assert seen == sorted(seen, key=["earlier", "none", "later"].index)
-
-
-def test_second_run_into_a_folder_is_refused_in_a_sentence(jobs, tmp_path, capsys):
+def test_later_run_takes_the_place_and_a_refused_one_leaves_it(jobs, tmp_path):
     out = tmp_path / "cut"
-    with output(out) as new:
-        new.mkdir()
-        list_files(new, "tunneller_lib")
-        assert cut(jobs, "later", out) == 2
-    told = capsys.readouterr().err
-    assert told == f"wrong: {out}: another run is writing there.\n" and out.exists()
+    shutil.copytree(jobs / "earlier", out)
+    assert cut(jobs, "bad", out) == 1 and told_by(out) == "earlier"
+    assert cut(jobs, "later", out) == 0 and told_by(out) == "later"
+    assert [path.name for path in tmp_path.iterdir()] == ["cut"]
 
 
-def test_job_that_is_refused_leaves_none_of_an_earlier_run_in_its_place(jobs, tmp_path, capsys):
-    out = tmp_path / "cut"
-    for number in ("", "1"):
-        assert cut(jobs, "later", out) == 0 and cut(jobs, "bad", out) == 1
-        *_, said, why = capsys.readouterr().err.splitlines()
-        assert said == f"{out}: what an earlier run left there is now {out}.earlier{number}"
-        assert why.startswith("refused: ") and not out.exists()
-        assert told_by(Path(f"{out}.earlier{number}")) == "later"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["cut.earlier", "cut.earlier1"]
-    assert main(["cut", str(tmp_path / "none.toml"), "--out", str(tmp_path / "a" / "b")]) == 2
-    assert not (tmp_path / "a").exists()
-
-
-def test_run_that_is_interrupted_leaves_the_earlier_one(jobs, tmp_path, monkeypatch):
+@pytest.mark.parametrize("fails", [0, 1])
+@pytest.mark.parametrize("error", [KeyboardInterrupt, PermissionError])
+def test_exchange_that_fails_midway_keeps_the_earlier_run(
+    jobs, tmp_path, monkeypatch, fails, error
+):
     shutil.copytree(jobs / "earlier", tmp_path / "cut")
-
-    def stop(*_, **__):
-        raise KeyboardInterrupt
-
-    for place in ("job.results.summarise", "__main__.draw_wall", "job.atomic_write.list_files"):
-        with monkeypatch.context() as patch:
-            patch.setattr(f"tunneller_lib.{place}", stop)
-            assert cut(jobs, "later", tmp_path / "cut") == 130
-        assert told_by(tmp_path / "cut") == "earlier"
-        assert [path.name for path in tmp_path.iterdir()] == ["cut"]
-
-
-def renaming(monkeypatch, fails, error):
-    """Let the renaming with a number fail with an error."""
-    rename, count = os.rename, iter(range(99))
+    rename, count = os.rename, iter(range(9))
 
     def one(*paths):
         if next(count) == fails:
@@ -194,28 +117,16 @@ def renaming(monkeypatch, fails, error):
         rename(*paths)
 
     monkeypatch.setattr("os.rename", one)
-
-
-@pytest.mark.parametrize(("fails", "error", "left"), [
-    (0, KeyboardInterrupt(), "cut"), (1, KeyboardInterrupt(), "cut"),
-    (0, PermissionError(13, "no"), "cut.earlier"), (1, PermissionError(13, "no"), "cut.earlier"),
-])  # fmt: skip
-def test_exchange_that_fails_midway_keeps_the_earlier_run(
-    jobs, tmp_path, monkeypatch, fails, error, left
-):
-    shutil.copytree(jobs / "earlier", tmp_path / "cut")
-    renaming(monkeypatch, fails, error)
-    with pytest.raises(type(error)), output(tmp_path / "cut") as new:
+    with pytest.raises(error), output(tmp_path / "cut") as new:
         new.mkdir()
-    assert [path.name for path in tmp_path.iterdir()] == [left]
-    assert told_by(tmp_path / left) == "earlier"
+    assert [path.name for path in tmp_path.iterdir()] == ["cut"]
+    assert told_by(tmp_path / "cut") == "earlier"
 
 
 CHANGES = {
     "a note": lambda out: (out / "notes.txt").write_text("mine"),
     "an edit": lambda out: (out / "budget.csv").write_text("mine"),
     "a folder": lambda out: (out / "figures").mkdir(),
-    "a link": lambda out: ((out / "line.c").unlink(), (out / "line.c").symlink_to("controller.c")),
     "no manifest": lambda out: (out / "manifest.txt").unlink(),
 }
 
@@ -227,34 +138,184 @@ def test_folder_that_holds_a_user_s_files_is_refused_and_stays(jobs, tmp_path, c
     CHANGES[change](out)
     before = {path: path.is_dir() or path.read_bytes() for path in out.iterdir()}
     assert cut(jobs, "later", out) == 2
-    told = capsys.readouterr().err.splitlines()[-1]
-    assert re.search(r"cut: holds [\w.]+, which isn't as a run has left it; move that else", told)
+    assert "cut: holds what no run has left there; move that else" in capsys.readouterr().err
     assert {path: path.is_dir() or path.read_bytes() for path in out.iterdir()} == before
-    assert [path.name for path in tmp_path.iterdir()] == ["cut"]
 
 
-def test_files_that_a_user_leaves_during_the_run_are_kept_aside(jobs, tmp_path, capsys):
-    out = tmp_path / "cut"
-    shutil.copytree(jobs / "earlier", out)
-    with output(out) as new:
-        new.mkdir()
-        list_files(new, "tunneller_lib")
-        (out / "notes.txt").write_text("mine")
-    assert (tmp_path / "cut.earlier" / "notes.txt").read_text() == "mine"
-    assert [path.name for path in out.iterdir()] == ["manifest.txt"]
-    assert capsys.readouterr().err.endswith(f"is now {out}.earlier\n")
-
-
-def test_folder_where_one_is_isn_t_taken_away(jobs, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert cut(jobs, "later", Path(".")) == 2
-    assert ".: is a folder that is mounted, or the one where you are; " in capsys.readouterr().err
-
-
-def test_disk_that_takes_no_more_is_told_with_the_folder(jobs, tmp_path, monkeypatch, capsys):
+def test_disk_that_takes_no_more_is_told_and_nothing_is_left(jobs, tmp_path, monkeypatch, capsys):
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("tunneller_lib.job.atomic_write.list_files", full)
     assert cut(jobs, "later", tmp_path / "cut") == 2 and list(tmp_path.iterdir()) == []
-    assert capsys.readouterr().err.endswith(f"wrong: {tmp_path}/cut: No space left on device.\n")
+    assert capsys.readouterr().err.endswith("wrong: No space left on device.\n")
+
+
+def test_replacement_leaves_the_old_file_if_the_new_one_fails(tmp_path):
+    path = tmp_path / "a" / "table.csv"
+    for text in ("old\n", "new\n"):
+        with replacement(path) as new:
+            new.write_text(text)
+        with pytest.raises(KeyError), replacement(path) as new:
+            new.write_text("half")
+            raise KeyError
+        assert path.read_bytes() == text.encode() and list(path.parent.iterdir()) == [path]
+
+
+# Tables
+
+
+def rows(text):
+    """Return a table as columns, as any reader of CSV with a heading has them."""
+    return np.genfromtxt(text.splitlines(), delimiter=",", names=True, dtype=None, encoding=None)
+
+
+ABOUT = rows(plan_csv(PLAN, "a job"))
+
+
+def joints(table, unit):
+    return np.stack([table[f"theta_{unit}"], table[f"phi_{unit}"]], axis=-1)
+
+
+def test_setvalues_come_back_bit_for_bit():
+    table = rows(setvalues_csv(PLAN))
+    counts = joints(table, "counts")
+    assert counts.dtype.kind == "i" and ABOUT["job"] == "a job"
+    np.testing.assert_array_equal(ABOUT["count_rad"] * counts, PLAN.setvalues)
+    np.testing.assert_array_equal(table["tick"], np.arange(len(counts)))
+    np.testing.assert_allclose(table["time_s"], ABOUT["tick_s"] * table["tick"], atol=1e-9)
+    np.testing.assert_array_equal(joints(table, "slope_rad_s"), [*PLAN.slopes, (0, 0)])
+    assert (ABOUT["laps"], ABOUT["advance_m"]) == (2, 0.04)
+
+
+def test_setpoints_make_the_setvalues():
+    table = rows(setpoints_csv(PLAN))
+    assert table["ticks"][0] == 0 and table["ticks"].sum() == len(PLAN.setvalues) - 1
+    made = polyline(joints(table, "parts"), table["ticks"][1:], parts=int(ABOUT["parts"]))
+    np.testing.assert_array_equal(ABOUT["count_rad"] * made, PLAN.setvalues)
+    np.testing.assert_array_equal(table["feed_m_s"], PLAN.feed)
+    np.testing.assert_allclose(table["time_s"], PLAN.tick * np.cumsum(table["ticks"]), atol=1e-9)
+
+
+def test_knots_come_back_bit_for_bit():
+    table = rows(knots_csv(PLAN))
+    np.testing.assert_array_equal(table["s_m"], PLAN.knots)
+    at = ABOUT["count_rad"] * joints(table, "counts")
+    assert np.max(np.abs(at - PLAN.circuit.position(PLAN.knots))) <= PLAN.count / 2
+
+
+# The wall
+
+
+@pytest.fixture(scope="module")
+def walled():
+    return carve(PLAN, PLAN.setvalues, shape=(40, 92))
+
+
+def test_wall_solid_is_closed_faces_outwards_and_has_the_grids_volume(
+    walled, tmp_path, monkeypatch
+):
+    points, faces = mesh.wall_solid(walled.wall)
+    solid = pyvista.PolyData.from_regular_faces(points, faces)
+    assert solid.is_manifold and solid.n_open_edges == 0
+    # Rows of wedges between the first and the last ray, from the outermost piece on each ray.
+    inner = np.linalg.norm(standing(walled.wall)[..., 1:], axis=-1)
+    areas = np.sum(walled.wall.high.max(axis=0) ** 2 - inner**2, axis=1) / 2
+    length = np.diff(walled.wall.lines.x)
+    wedges = 2 * np.pi / inner.shape[1] * np.sum((areas[1:] + areas[:-1]) / 2 * length)
+    assert solid.volume == pytest.approx(wedges, rel=2e-3)
+    # By the divergence theorem the signed volume is positive for outward triangles alone.
+    a, b, c = np.moveaxis(points[faces], 1, 0)
+    assert np.sum(np.cross(a, b) * c) / 6 == pytest.approx(solid.volume, rel=1e-4)
+    content = b"".join(mesh.stl(points, faces, "a job"))
+    monkeypatch.setattr(mesh, "BLOCK", 7)
+    assert b"".join(mesh.stl(points, faces, "a job")) == content
+    assert content.startswith(b"in mm, a job")
+    (tmp_path / "wall.stl").write_bytes(content)
+    read = pyvista.read(tmp_path / "wall.stl")
+    assert read.volume == pytest.approx(1e9 * solid.volume, rel=1e-5)
+    np.testing.assert_allclose(read.bounds, 1e3 * np.array(solid.bounds), rtol=1e-6)
+    assert read.n_cells == solid.n_cells and read.is_manifold
+    across = np.cross(b - a, c - a)
+    across /= np.linalg.norm(across, axis=-1, keepdims=True)
+    np.testing.assert_allclose(np.frombuffer(content[84:], mesh.STL)["normal"], across, atol=1e-3)
+
+
+def test_unrolled_wall_has_each_ray_at_its_arc_length_and_its_overbreak_in_colour(walled):
+    section, lines = PLAN.circuit.section, walled.wall.lines
+    drawn = wall_plot.draw_unrolled(figure(height=8)[1], walled, limit=2e-3)
+    # From the invert over left springing, roof and right springing.
+    order = np.lexsort([np.where(lines.cos > 0, lines.sin, -lines.sin), lines.cos < 0])
+    edges = np.asarray(drawn.get_coordinates()[0, :, 0])
+    roof = section.a * np.pi / 2  # of the arc that begins at the left springing
+    point = section.point(roof + edges)
+    across = np.transpose([-lines.sin, lines.cos])[order]
+    passed = np.einsum("ij,ij->i", point[1:-1], across[:-1])
+    ahead = -np.einsum("ij,ij->i", point[1:-1], across[1:])
+    assert np.all(passed > 0)
+    np.testing.assert_allclose(passed, ahead, rtol=0.15)  # edges lie midway between their rays
+    half = section.perimeter / 2
+    np.testing.assert_allclose(edges[[0, -1]], [-half, half], rtol=1e-3)
+    was = section.ray(np.arctan2(lines.sin, lines.cos))
+    gone = (walled.wall.low[0] - was)[:, order]
+    shown = drawn.get_array()
+    assert np.all(shown.mask[gone < 1e-12]) and not np.any(shown.mask[gone > 1e-4])
+    over = 1e3 * walled.overbreak[:, order]
+    np.testing.assert_array_equal(shown.filled(0), np.where(shown.mask, 0, over))
+    assert drawn.get_clim() == (-2, 2)
+
+
+# The drawing
+
+
+def entities(text):
+    """Return the entities of a drawing in DXF as dicts of their group codes."""
+    lines = text.splitlines()
+    pairs = list(zip(map(int, lines[::2]), lines[1::2], strict=True))
+    assert pairs[-1] == (0, "EOF")
+    found = []
+    for code, value in pairs:
+        if code == 0:
+            found.append({})
+        if found:
+            found[-1][code] = value if code in (0, 1, 2, 8, 9) else float(value)
+    assert found[0] == {0: "SECTION", 2: "HEADER", 9: "$INSUNITS", 1: "AC1009", 70: 4}  # mm
+    return [entity for entity in found if entity[0] in ("ARC", "CIRCLE", "LINE")]
+
+
+def ends(entity):
+    """Return start and end (2, 2) of an arc or a line, in mm."""
+    if entity[0] == "LINE":
+        return np.array([[entity[10], entity[20]], [entity[11], entity[21]]])
+    angle = np.radians([entity[50], entity[51]])
+    unit = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return np.array([entity[10], entity[20]]) + entity[40] * unit
+
+
+@pytest.mark.parametrize("section", [EGG, SQUARE, EGG.offset(0.1)], ids=["egg", "square", "offset"])
+def test_dxf_closes_and_lies_on_the_section(section):
+    pieces = entities(dxf({"WALL": section}))
+    points = np.array([ends(piece) for piece in pieces])
+    np.testing.assert_allclose(points[:, 0], 1e3 * section.point(section.blends[:-1]), atol=1e-9)
+    np.testing.assert_allclose(points[:, 1], np.roll(points[:, 0], -1, axis=0), atol=1e-9)
+    assert {piece[8] for piece in pieces} == {"WALL"}
+    for piece, arc in zip(pieces, section.arcs, strict=True):
+        assert piece[0] == ("ARC" if isinstance(arc, Arc) else "LINE")
+        if isinstance(arc, Arc):
+            assert (piece[51] - piece[50]) % 360 == pytest.approx(np.degrees(arc.sweep), abs=1e-9)
+
+
+def test_dxf_of_a_circle_is_a_circle_on_its_layer():
+    (circle, *arcs) = entities(dxf({"WALL": CIRCLE, "CENTRE": EGG}))
+    assert (circle[0], circle[8]) == ("CIRCLE", "WALL") and [e[8] for e in arcs] == ["CENTRE"] * 4
+    assert [circle[code] for code in (10, 20, 40)] == pytest.approx([100, -200, 600])
+
+
+def test_drawing_of_a_job_has_the_section_the_wanted_wall_and_the_centre_s_path(tmp_path):
+    job = read_job(_JOB)
+    write_all(job, job.simulated(), tmp_path / "new", {"faults": [{"source": "none"}]}, str)
+    drawn = entities((tmp_path / "new" / "section.dxf").read_text().split("\n", 2)[2])
+    radii = np.reshape([entity[40] for entity in drawn], (3, 4))
+    assert [entity[8] for entity in drawn[::4]] == ["SECTION", "WALL", "CENTRE"]
+    # By the depth of cut, and less the cutter's radius, in mm.
+    np.testing.assert_allclose(radii[1:], radii[0] + [[20], [-180]])

@@ -141,14 +141,6 @@ def test_linkage_displacements_are_rates_of_the_volumes(lever):
     assert np.min(lever.volumes(q, *ends)) > 0
 
 
-def test_linkage_pair_is_symmetric_only_straight_ahead():
-    swing = usual_linkages(REFERENCE_MACHINE.R)[1]
-    plus, minus = swing.displacements(np.array([-0.4, 0.0, 0.4]))
-    np.testing.assert_allclose(plus, minus[::-1], rtol=1e-15)
-    assert plus[1] == minus[1] and plus[0] != minus[0]
-    np.testing.assert_allclose(swing.volumes(0.3, -0.7, 0.7), swing.volumes(-0.3, -0.7, 0.7)[::-1])
-
-
 def test_linkage_refuses_an_unreachable_stroke():
     lift = usual_linkages(REFERENCE_MACHINE.R)[0]
     with pytest.raises(ValueError, match=r"^stroke: .* must fit into the shortest cylinder; got"):
@@ -185,16 +177,6 @@ def test_command_inverts_the_rate(axis, angle, spool):
     rate = float(axis.rate(angle, spool))
     assert axis.command(rate, angle) == pytest.approx(spool, rel=1e-12, abs=1e-300)
     assert axis.command(np.copysign(50.0, spool), angle) == np.copysign(np.inf, spool)
-
-
-def test_rate_without_friction_is_the_root_law():
-    axis = replace(PHI, damping=1e-12)
-    np.testing.assert_allclose(axis.rate(0.2, 0.5), 5 * axis.rate(0.2, 0.1), rtol=1e-9)
-    # One unequal cylinder, no load, no return pressure: speeds are as 1 to sqrt(rho).
-    axis = replace(THETA, damping=1e-12, gravity=0.0, tank=1e-9)
-    plus, minus = axis.linkage.displacements(0.1)
-    forward, backward = axis.rate(0.1, [1, -1])
-    assert -backward / forward == pytest.approx((minus / plus) ** 0.5, rel=1e-9)
 
 
 @every_axis
@@ -259,13 +241,6 @@ def test_leaks_run_from_the_higher_pressure_to_the_lower():
     lands = [2e-13 * ((leaky.supply - p) - (p - leaky.tank)) for p in (first, second)]
     found = flows(leaky.numbers, first, second, 0.0)
     assert found == pytest.approx((lands[0] - past, -lands[1] - past))
-
-
-def test_swing_gain_is_the_steady_one_for_equal_areas():
-    assert PHI.swing(0.0) == pytest.approx(1.0, rel=1e-14)
-    angles = np.linspace(-0.6, 0.6, 7)
-    np.testing.assert_allclose(PHI.swing(angles), PHI.swing(-angles), rtol=1e-14)
-    assert THETA.swing(-1.04) > 1.1 and THETA.swing(0.6) < 0.95
 
 
 @every_axis

@@ -63,7 +63,7 @@ def test_body_of_the_machine_is_drawn_where_the_wall_is_kept_clear_of_it():
 def test_letters_are_written_where_the_scene_has_their_point(parallel):
     def shot(letters, width=2.0):
         plotter = scene.empty(parallel=parallel)
-        plotter.window_size = 400, 300
+        plotter.window_size = 1600, 1200
         for end in ((-1, -1, -1), (1, 1, 1)):
             plotter.add_mesh(scene.ball(end, 0.05), color="white", lighting=False)
         plotter.add_mesh(scene.ball(place, 0.1), color="red", lighting=False)

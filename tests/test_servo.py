@@ -145,16 +145,6 @@ def test_closed_loop_is_what_follow_runs(plant, options):
     assert len(matrix) == found.shape[1] + loop.delay + bool(loop.integral)
 
 
-@every_linear
-def test_unstable_loops_are_run_and_said_so(plant):
-    limit = eigenvalue_limit(plant, Loop(1.0, T))
-    step = np.concatenate([[0.0], np.full(2000, 0.0113)])
-    calm, wild = (follow(plant, Loop(f * limit, T), step) for f in (0.8, 1.3))
-    assert calm.stable == (True,) and wild.stable == (False,)
-    assert abs(calm.error[-1]) < 1e-4 < abs(wild.error[-100:]).max()
-    assert np.all(np.isfinite(wild.position)) and np.max(np.abs(wild.command)) <= 1
-
-
 @pytest.mark.parametrize("tier", [Rigid, Compressible])
 @pytest.mark.parametrize(("axis", "angle", "options"), [
     (0, -1.04, {}), (0, 0.6, {"delay": 2}), (1, -0.65, {"delay": 1, "integral": 15.0}),
@@ -170,14 +160,6 @@ def test_unstable_loops_of_hydraulic_axes_are_run_and_said_so(tier, axis, angle,
     late = slice(-200, None)
     assert np.abs(calm.error[late]).max() < 1e-6 and np.abs(wild.error[late]).max() > 1e-4
     assert np.all(np.isfinite(wild.position)) and np.max(np.abs(wild.command)) <= 1
-
-
-def test_swings_decay_as_fast_as_the_linear_model_says():
-    plant, loop = Compressible(AXES[1]), Loop(20.0, T)
-    error = follow(plant, loop, np.concatenate([[0.0], np.full(500, 1e-5)])).error
-    radius = np.max(np.abs(np.linalg.eigvals(_closed_loop(plant.linear(0.0), loop, loop.gain))))
-    early, later = (np.max(np.abs(error[n : n + 40])) for n in (160, 360))
-    assert (later / early) ** (1 / 200) == pytest.approx(radius, abs=2e-3)
 
 
 def test_stability_is_asked_for_all_angles_of_the_set_values():
@@ -211,13 +193,6 @@ def test_ramp_error_is_speed_over_gain_and_an_integral_removes_it(plant, speed):
         assert abs(follow(plant, Loop(8.0, T, integral=20.0), ramp(speed, ticks)).error[-1]) < 1e-9
 
 
-def test_step_of_t0_is_an_exponential():
-    step = np.concatenate([[0.0], np.full(400, 0.01)])
-    track = follow(Integrator(0.5), Loop(10.0, T), step)
-    n = np.arange(400)
-    np.testing.assert_allclose(track.error[1:], 0.01 * (1 - 10.0 * T) ** n, atol=1e-15)
-
-
 def test_feedforward_by_the_exact_slope_leaves_no_error_of_t0():
     knots, ticks = np.array([[0, 0], [900, -333], [901, 400], [901, 401]]), [200, 301, 99]
     count = 2 * np.pi / 2**16
@@ -227,19 +202,6 @@ def test_feedforward_by_the_exact_slope_leaves_no_error_of_t0():
     assert np.max(follow(Integrator(0.5), loop, exact, slopes=slopes).largest_error) < 1e-14
     counted = follow(Integrator(0.5), loop, polyline(knots, ticks) * count, slopes=slopes)
     assert np.all(counted.largest_error < count)
-
-
-def test_differences_of_counts_shake_a_resonance_that_exact_slopes_do_not():
-    count = 2 * np.pi / 2**13
-    knots, ticks = [[0], [1501]], [4000]
-    setvalues = polyline(knots, ticks) * count
-    exact = polyline_slopes(knots, ticks) * count / T
-    plant, loop = Resonance(0.5, 100.0, 0.15), Loop(10.0, T, feedforward=1.0)
-    ripples = [
-        np.std(np.diff(follow(plant, loop, setvalues, slopes=s).position[1000:], axis=0))
-        for s in (exact, np.diff(setvalues, axis=0) / T)
-    ]
-    assert ripples[1] > 5 * ripples[0]
 
 
 def test_integral_waits_while_the_valve_is_open():
@@ -257,12 +219,6 @@ def test_encoder_holds_the_error_within_a_count():
     track = follow(Integrator(0.5), Loop(10.0, T, count=count, feedforward=1.0),
                      ramp(0.05, 2000), slopes=np.full(2000, 0.05))  # fmt: skip
     assert count / 16 < track.largest_error < count
-
-
-def test_saturation_is_counted():
-    track = follow(Integrator(0.5), Loop(10.0, T), ramp(1.0, 400))
-    assert track.saturated_share > 0.9 and np.all(track.command <= 1)
-    assert np.max(np.diff(track.position)) <= 0.5 * T * (1 + 1e-12)
 
 
 def test_delay_puts_the_answer_off():
@@ -301,15 +257,6 @@ def test_ripple_is_that_of_a_staircase(interval, speed):
         assert harmonics[k] == pytest.approx(ripple(plant, gain, interval, k), rel=0.02, abs=1e-5)
 
 
-def test_ripple_peaks_at_the_resonance_and_t0_has_no_peak():
-    intervals = np.linspace(0.02, 0.2, 400)
-    resonant = ripple(Resonance(0.5, 100.0, 0.15), 8.0, intervals)
-    peak = intervals[np.argmax(resonant)]
-    assert peak == pytest.approx(2 * np.pi / 100.0, rel=0.05)
-    assert np.all(np.diff(ripple(Integrator(0.5), 8.0, intervals)) > 0)
-    assert ripple(Integrator(0.5), 8.0, 0.1) == pytest.approx(2 / abs(1 + 2j * np.pi / 0.8))
-
-
 # ---- arguments ------------------------------------------------------------------------------
 
 
@@ -341,7 +288,6 @@ def test_follow_refuses_what_does_not_fit():
         ((LINEAR[0], [loop, Loop(10.0, 0.01)], two), {}, r"loop: all axes must share one tick;"),
         ((LINEAR[0], forward, two), {}, r"slopes: a loop with feed-forward needs them"),
         ((LINEAR[0], forward, two), {"slopes": two}, r"slopes: must be of shape \(8, 2\)"),
-        ((LINEAR[0], loop, two), {"inverse": lambda rate, position: np.nan}, r"inverse: must ret"),
         ((LINEAR[0], loop, two), {"push": Push()}, r"plant: must be two of class Compressible"),
         ((Rigid(AXES[0]), Loop(1e-3, 1e3), [0.0, 0.1]), {}, r"tick: must be at most .* 1000 steps"),
     ]:
@@ -355,7 +301,7 @@ def test_stroke_is_kept_by_set_values_and_by_the_axis(tier):
     for end in (axis.low - 1e-9, axis.high + 1e-9):
         with pytest.raises(ValueError, match=r"^setvalues: must lie within the stroke, -1.082 to"):
             follow(tier(axis), Loop(10.0, T), [0.0, end])
-    message = r"^setvalues: an axis must stay within its stroke, -62.0 to 37.0 deg; it got to 37"
+    message = r"^setvalues: an axis must stay within its stroke, -62.0 to 37.0 deg; got 37"
     with pytest.raises(ValueError, match=message):
         follow(tier(axis), Loop(10.0, T), np.zeros(2000), inverse=lambda rate, position: 1.0)
 

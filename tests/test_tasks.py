@@ -41,17 +41,6 @@ def test_response_times_are_the_longest_of_a_run(data):
             assert max(one.done - one.released for one in releases if one.name == task.name) == time
 
 
-@given(st.data(), st.integers(1, 300))
-def test_background_response_is_that_of_a_run(data, cost):
-    tasks = random_tasks(data.draw)
-    if math.inf in response_times(tasks) or utilisation(tasks) >= 1:
-        return
-    found = background_response(tasks, cost)
-    slow = Task("slow", 10**6, cost)
-    _, releases = schedule([*tasks, slow], found + 1000)
-    assert next(one.done for one in releases if one.name == "slow") == found
-
-
 @given(st.data())
 def test_schedule_gives_each_job_its_cost_and_the_urgent_the_processor(data):
     tasks = random_tasks(data.draw)
@@ -66,14 +55,6 @@ def test_schedule_gives_each_job_its_cost_and_the_urgent_the_processor(data):
     for one in releases:
         lower = [s for s in slices if priority[s.name] > priority[one.name]]
         assert not any(s.start < one.done and s.stop > one.released for s in lower)
-
-
-def test_response_times_of_a_known_set():
-    # Three tasks whose responses can be counted off by hand on a sheet of paper.
-    tasks = [Task("a", 7, 3), Task("b", 12, 3), Task("c", 20, 5)]
-    assert response_times(tasks) == [3, 6, 20]
-    assert response_times([*tasks[:2], Task("c", 20, 6)])[2] == math.inf
-    assert utilisation(tasks) == pytest.approx(3 / 7 + 3 / 12 + 5 / 20)
 
 
 def by_events(tasks, costs, ticks, depth):

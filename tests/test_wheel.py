@@ -95,5 +95,5 @@ def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_pa
     assert files == {
         "budget.csv", "plan.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st",
         "line.c", "controller.st", "blocks.st", "controller.c", "controller.h", "controller.xml",
-        "section.dxf", "wall.vtk", "wall.stl", "manifest.txt",
+        "section.dxf", "wall.stl", "manifest.txt",
     }  # fmt: skip

@@ -6,6 +6,7 @@
 import csv
 import hashlib
 import os
+import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
@@ -15,7 +16,6 @@ import numpy as np
 
 import tunneller_lib
 from tunneller_lib.job.atomic_write import replacement
-from tunneller_lib.job.progress import say
 
 from . import atlas
 
@@ -49,7 +49,7 @@ def compute_blocks(survey, blocks, folder, *, jobs=None):
     missing = [block for block in blocks if not files[block].exists()]
     there = len(blocks) - len(missing)
     start = time.monotonic()
-    say(f"{there} of {len(blocks)} blocks are there")
+    print(f"{there} of {len(blocks)} blocks are there", file=sys.stderr, flush=True)
     count = jobs or len(os.sched_getaffinity(0))
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
         try:
@@ -59,7 +59,8 @@ def compute_blocks(survey, blocks, folder, *, jobs=None):
                     np.save(new, future.result())
                 pace = (time.monotonic() - start) / done
                 left = len(missing) - done
-                say(f"{there + done} of {len(blocks)} blocks, {pace * left:.0f} s to go")
+                to_go = f"{there + done} of {len(blocks)} blocks, {pace * left:.0f} s to go"
+                print(to_go, file=sys.stderr, flush=True)
         except BaseException:  # an interrupt, too: what hasn't begun isn't begun
             pool.shutdown(wait=True, cancel_futures=True)
             raise

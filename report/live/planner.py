@@ -32,12 +32,12 @@ def draw_plan(plan):
     return drawing
 
 
-def draw(job, cut, path, say):
+def draw(job, cut, path):
     """Write plan and wall of a cut as pictures; return the files written."""
     plan = path.with_name("plan.png")
-    say(f"writing {plan.name}")
+    command.say(f"writing {plan.name}")
     write_drawing(plan, draw_plan(cut.plan), job.stamp)
-    return [plan, *draw_wall(job, cut, path, say)]
+    return [plan, *draw_wall(job, cut, path)]
 
 
 def cut(text, name):

@@ -5,7 +5,9 @@ which depend on the processor. Figures are compared as files, not as outputs. A 
 build has run here isn't run again while its sources and its results are those of that build.
 """
 
+import functools
 import math
+from contextlib import ExitStack
 from pathlib import Path
 from queue import Empty
 from tempfile import TemporaryDirectory
@@ -14,6 +16,7 @@ import pytest
 from nbval.kernel import RunningKernel
 from nbval.plugin import IPyNbCell, IPyNbFile
 
+from report.kernels import shared_imports
 from report.sources import is_run, notebook_sources, records
 from report.state import State
 
@@ -24,6 +27,20 @@ def _elsewhere(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TUNNELLER_RESULTS", str(tmp_path_factory.getbasetemp() / "results"))
         yield
+
+
+@functools.cache
+def share_imports(config):
+    """Let the kernels of this process share what they import, from now on."""
+    stack = ExitStack()
+    stack.enter_context(shared_imports())
+    config.add_cleanup(stack.close)
+
+
+@pytest.fixture(scope="session")
+def shared_kernels(pytestconfig):
+    """Kernels that share what they import."""
+    share_imports(pytestconfig)
 
 
 def pytest_collect_file(file_path, parent):
@@ -93,6 +110,7 @@ class Notebook(IPyNbFile):
         self.results = TemporaryDirectory()
         if self.built:
             return
+        share_imports(self.config)
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("TUNNELLER_RESULTS", self.results.name)
             patch.setenv("PYVISTA_JUPYTER_BACKEND", "static")  # a scene's picture, as it is stored

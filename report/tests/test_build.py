@@ -18,6 +18,8 @@ from report.lock import locked
 from report.sources import ROOT, cells, file_digests, is_run, notebook_sources, notebooks, records
 from report.state import State
 
+pytestmark = pytest.mark.usefixtures("shared_kernels")
+
 RECORD = """from kit import Record
 record = Record("01_test")
 record("it", {value}, "m")"""

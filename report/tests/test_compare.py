@@ -23,6 +23,8 @@ from report.sources import ROOT, notebook_sources
 
 READS = ["figures/circuit_tunnel.png"]
 
+pytestmark = pytest.mark.usefixtures("shared_kernels")
+
 
 @pytest.mark.parametrize(
     ("a", "b", "equal"),
@@ -154,7 +156,7 @@ CHANGES = {
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory):
+def said(tmp_path_factory, shared_kernels):
     """Return what passed and failed of a notebook, as it was run and after each change."""
     folder = tmp_path_factory.mktemp("checkouts")
     true = folder / "true" / "notebooks" / "01_test.ipynb"

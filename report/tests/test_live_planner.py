@@ -88,7 +88,7 @@ def test_reference_job_has_a_line_for_each_name_of_a_job_which_says_its_unit_fir
 @pytest.mark.parametrize(
     ("old", "new", "code", "said"),
     [
-        ("R = 0.80", "R = 800", 1, "refused: [machine] R: must be from 0.01 to 20 m; got 800. If"),
+        ("R = 0.80", "R = 800", 1, "refused: [machine] R: must be from 0.001 to 20 m; got 800."),
         ("gain = 10 ", "gain = 90 ", 1, "refused: [controller] gain"),
         ("[section]", "[sectoin]", 2, "wrong: [sectoin]: is no table of a job"),
     ],

@@ -68,4 +68,4 @@ INSTANCES = {
     Program: lambda: program(_job().planned, _job()),
 }
 
-CALLS = {"read_job": {"path": _JOB}, "say": {"text": "done"}}
+CALLS = {"read_job": {"path": _JOB}}

@@ -46,8 +46,6 @@ INSTANCES = {
 }
 
 SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
-LOGGED = np.tile(np.repeat([0.0, 0.3], 15), 3)
-LAGGED = np.concatenate([[0.0], np.convolve(LOGGED, 0.1 * 0.8 ** np.arange(90))[:89]])
 LINEAR = {"plant": INSTANCES[Resonance]}
 
 CALLS = {
@@ -63,7 +61,6 @@ CALLS = {
     "polyline": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
     "polyline_slopes": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
     "rounding_spectrum": {"difference": 5, "ticks": 12},
-    "identify_axis": {"valve": LOGGED, "measured": LAGGED, "tick": 0.005},
     "stability.continuous_limit": LINEAR,
     "stability.eigenvalue_limit": LINEAR,
     "stability.gain_limit": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},

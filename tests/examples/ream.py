@@ -60,7 +60,6 @@ CALLS = {
     "budget": AXIS,
     "capability": OILY,
     "carve": {"position": IDEAL, "shape": (6, 12)},
-    "expected_seconds": AXIS | {"shape": (6, 12)},
     "halving": {"again": lambda what, factor: None},
     "route_through": {"knots": [0.0, 0.5, 1.2, 2.0]},
     "wall.intact_wall": {"start": -0.3, "shape": (6, 12)},

@@ -1,10 +1,9 @@
-"""A job: a small file that asks for a cut, and the files that come of it.
+"""A job: a small file that asks for a cut, and the files that a cut leaves.
 
-Needs numpy and scipy alone. Pictures of a cut need matplotlib.
+It needs numpy and scipy alone; pictures of a cut need matplotlib.
 """
 
-from .progress import say
 from .reader import read_job
 from .tables import WrongJob
 
-__all__ = ["WrongJob", "read_job", "say"]
+__all__ = ["WrongJob", "read_job"]

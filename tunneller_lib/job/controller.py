@@ -71,11 +71,9 @@ def program(plan: Plan, job: Job):
     Raises
     ------
     ValueError
-        If a loop has an integral, or the controller can't keep what the plan asks of it; the
-        sentence names the key of the job and a value that it can keep.
+        If the controller can't keep what the plan asks of it; the sentence names the key of the
+        job and a value that it can keep.
     """
-    if any(loop.integral for loop in job.axes[1]):
-        raise ValueError("[controller] integral: must be 0 for the exported loop; got one above.")
     runs = plan.entry, plan, plan.leave
     parts = min(run.fineness for run in runs)
     # Of entry, a lap and exit: ends (m + 1, 2) in parts of a count, and ticks (m,).

@@ -1,6 +1,6 @@
-"""Tables of a plan as CSV: a heading of names with units, and rows of numbers alone.
+"""Tables of a plan as CSV: a heading of names with units, then rows of numbers.
 
-What holds for all rows of a plan's tables stands in a table of its own, of one row.
+What all rows share stands in a table of its own, of one row.
 """
 
 import csv
@@ -10,7 +10,7 @@ import numpy as np
 
 
 def table(rows):
-    """Return rows, dicts with the same keys, as CSV under their keys."""
+    """Return rows, dicts with the same keys, as CSV with the keys as heading."""
     text = io.StringIO()
     writer = csv.DictWriter(text, rows[0], lineterminator="\n")
     writer.writeheader()
@@ -19,31 +19,31 @@ def table(rows):
 
 
 def _columns(columns):
-    """Return columns of numbers, a dict, as CSV; floats have all their digits."""
+    """Return a dict of columns of numbers as CSV; floats keep all their digits."""
     rows = zip(*(np.asarray(one).tolist() for one in columns.values()), strict=True)
     return table([dict(zip(columns, row, strict=True)) for row in rows])
 
 
 def plan_csv(plan, stamp):
-    """Return what all tables of a plan share: the job's `stamp`, tick, counts, laps, advance.
+    """Return what all tables of a plan share: the job's `stamp`, tick, count, laps, advance.
 
-    ``parts`` of a count are the unit of the setpoints.
+    The unit of the setpoints is a count divided by ``parts``.
     """
     about = {"job": stamp, "tick_s": plan.tick, "count_rad": plan.count, "parts": plan.fineness}
     return table([{**about, "laps": plan.laps, "advance_m": plan.advance}])
 
 
 def knots_csv(plan):
-    """Return the knots of a plan: arc length along the offset section, position in counts."""
+    """Return the knots of a plan: arc lengths along the offset section, positions in counts."""
     theta, phi = np.rint(plan.circuit.position(plan.knots) / plan.count).astype(np.int64).T
     knots = {"knot": range(len(theta)), "s_m": plan.knots}
     return _columns({**knots, "theta_counts": theta, "phi_counts": phi})
 
 
 def setpoints_csv(plan):
-    """Return the setpoints of a lap: ticks of the move to each, its end, time and feed.
+    """Return the setpoints of a lap: ticks of the move to each, time, feed and position.
 
-    The first row, of no ticks, is where the lap begins; `motion.polyline` makes the set-values.
+    The first row, with no ticks, is the lap's begin; `motion.polyline` makes the set-values.
     """
     ticks = np.append(0, plan.ticks)
     setpoints = {"setpoint": range(len(ticks)), "ticks": ticks}
@@ -53,9 +53,9 @@ def setpoints_csv(plan):
 
 
 def setvalues_csv(plan):
-    """Return the set-values of a lap: tick, time, whole counts and exact slopes.
+    """Return the set-values of a lap: ticks, times, exact slopes and whole counts.
 
-    A slope is that of the exact line from this tick to the next, which the counts round.
+    A slope is that of the exact line from this tick to the next; the counts round that line.
     """
     theta, phi = np.rint(plan.setvalues / plan.count).astype(np.int64).T
     ticks = np.arange(len(theta))

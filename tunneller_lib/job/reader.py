@@ -1,6 +1,6 @@
 """A cut asked for by a small TOML file, such as reference.toml beside this module.
 
-Names, types and units are checked here; sizes by what they are for.
+Names, types and units are checked here; the classes that take the numbers check these.
 """
 
 from dataclasses import dataclass, field, fields, replace
@@ -14,10 +14,8 @@ from ..motion import Compressible, Integrator, Lag, Loop, Rigid
 from ..motion.sizing import arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
 from ..ream import Limits, Pose, gain_margins, plan, simulate
-from ..ream.cutting import expected_seconds
 from ..ream.margins import capability, chatter_margins
 from ..removal import Ground
-from ..removal.dexel import allowed_memory, check_fits
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 from .tables import (
     NEEDED,
@@ -26,7 +24,6 @@ from .tables import (
     Size,
     WrongJob,
     brief,
-    check_leaves,
     hint,
     one_of,
     parsed_toml,
@@ -34,106 +31,107 @@ from .tables import (
     said_of,
 )
 
-# What each table may hold: TEXT, WHOLE, or a unit and from where to where numbers are plausible. A
-# machine of some centimetres or of twenty metres may be meant, and none whose units are mistaken.
+# What each table may hold: TEXT, WHOLE, or a unit with the range in which numbers are plausible. A
+# machine of some centimetres or of twenty metres may be meant, but none whose units are mistaken.
+LENGTH = Size("m", 1e-3, 20)
+PLACE = Size("m", most=20)
 ANGLE = Size("rad", most=3.2)
-MACHINE = dict(
-    r=Size("m", 1e-3, 5), R=Size("m", 0.01, 20), theta_min=ANGLE, theta_max=ANGLE, phi_min=ANGLE,
-    phi_max=ANGLE, cutter_radius=Size("m", 1e-3, 5), depth=Size("m", most=1),
-    height=Size("m", most=20),
-)  # fmt: skip
-BODY = dict(
-    length=Size("m", most=20), width=Size("m", most=20), low=Size("m", most=20),
-    high=Size("m", most=20), holder_radius=Size("m", most=5), holder_length=Size("m", most=10),
-)  # fmt: skip
+COUNT = Size("rad", 1e-9, 0.1)
+MACHINE = {"r": LENGTH, "R": LENGTH, "cutter_radius": LENGTH, "depth": PLACE, "height": PLACE}
+MACHINE |= dict.fromkeys(("theta_min", "theta_max", "phi_min", "phi_max"), ANGLE)
+BODY = dict.fromkeys(("length", "width", "low", "high", "holder_radius", "holder_length"), PLACE)
 
 
 def _circle(radius):
     return closed_profile([Arc(0.0, 0.0, radius, 0.0, 2 * np.pi)])
 
 
-# What makes a section, and of which sizes; a further one is one entry here. Pieces are read apart.
+# Who makes a section, and of which sizes; a further shape is one entry here. `_read_section` reads
+# the list of pieces.
 SHAPES = {
-    "egg": (Egg, dict(a=Size("m", 0.01, 20))),
-    "circle": (_circle, dict(radius=Size("m", 0.01, 20))),
-    "pieces": (closed_profile, dict(snap=Size("m", 0, 5e-4))),
+    "egg": (Egg, {"a": LENGTH}),
+    "circle": (_circle, {"radius": LENGTH}),
+    "pieces": (closed_profile, {"snap": Size("m", 0, 5e-4)}),
 }
+BEGIN = dict.fromkeys("yz", PLACE)
+TURN = Size("rad", most=7)
 PIECES = {
-    "arc": (Arc, dict(y=Size("m", most=20), z=Size("m", most=20), radius=Size("m", most=100),
-                      start=Size("rad", most=7), sweep=Size("rad", most=7))),
-    "line": (Line, dict(y=Size("m", most=20), z=Size("m", most=20), heading=Size("rad", most=7),
-                        length=Size("m", most=50))),
-}  # fmt: skip
-STANCE = dict(pitch=Size("rad", most=1.6), yaw=Size("rad", most=1.6))
-LIMITS = dict(
-    feed=Size("m/s", 1e-4, 1), acceleration=Size("m/s^2", 1e-4, 50), volume=Size("m^3/s", 0, 0.1),
-    flow=Size("m^3/s", 0, 0.01), valve=Size("1", 0, 1), power=Size("W", 20, 1e7),
-)  # fmt: skip
-GROUND = dict(
-    energy=Size("J/m^3", 1e3, 1e10), pick_speed=Size("m/s", 0.01, 20), normal=Size("1", 0, 5),
-    ripple=Size("1", 0, 2), ripple_frequency=Size("Hz", 0, 500),
-)  # fmt: skip
-CYLINDERS = dict(frame_pivot="a", arm_pivot="b", bore="bore", rod="rod", dead_length="dead_length")
-LEAK, FRICTION = Size("m^3/s/Pa", 0, 1e-8), Size("N m", 0.1, 1e6)
-HYDRAULICS = dict(
-    head=Size("kg", 0.5, 1e5), beam=Size("kg", 0.5, 1e5), supply=Size("Pa", 1e5, 1e8),
-    tank=Size("Pa", 1e3, 1e7), bulk=Size("Pa", 1e7, 1e10), hose=Size("m^3", 1e-7, 0.01),
-    rated_flow=Size("m^3/s", 0, 0.01), valve_lag=Size("s", 0, 0.5), damping=Size("1", 0, 2),
-    lift_friction=FRICTION, swing_friction=FRICTION, piston_leak=LEAK, valve_leak=LEAK,
-    pump=Size("m^3/s", 0, 0.1),
-)  # fmt: skip
-HYDRAULICS |= {
-    f"{joint}_{name}": Size("m", 1e-3, most)
-    for joint in ("lift", "swing")
-    for name, most in zip(CYLINDERS, (20, 10, 2, 2, 10), strict=True)
+    "arc": (Arc, BEGIN | {"radius": Size("m", most=100), "start": TURN, "sweep": TURN}),
+    "line": (Line, BEGIN | {"heading": TURN, "length": Size("m", most=50)}),
 }
-# An encoder is often told by its counts or its bits.
-COUNT = Size("rad", 1e-9, 0.1, (
-    ("counts a turn", lambda number: 2 * np.pi / number),
-    ("bits", lambda number: 2 * np.pi / 2.0 ** min(number, 64)),
-))  # fmt: skip
-PLAN = dict(
-    tolerance=Size("m", 0, 0.1), step=Size("m", 0, 0.3), tick=Size("s", 0, 0.5), count=COUNT,
-    rest=Size("s", 0, 60), laps=WHOLE, advance=Size("m", 0, 2), arm_radius=Size("m", 0, 5),
-    path=TEXT,
-)  # fmt: skip
-CONTROLLER = dict(
-    plant=TEXT, gain=Size("1/s", 0, 1e4), integral=Size("1/s^2", 0, 1e6),
-    feedforward=Size("1", 0, 2), delay=WHOLE, encoder=COUNT, trip=Size("m", 1e-5, 1),
-    operations=Size("1/s", 0, 1e12),
-)  # fmt: skip
-TILT = Size("rad", most=0.8)
-POSE = dict(y=Size("m", most=0.2), z=Size("m", most=0.2), roll=TILT, pitch=TILT, yaw=TILT)
-WALL = dict(along=WHOLE, around=WHOLE, thickness=Size("m", most=2))
-MOST_RAYS = 100_000  # each way; memory bounds both together
-# Bytes at a command's peak. tests/test_memory.py measures them; a tick takes more with plant T3.
-A_RAY, A_TICK = 500, 1200
-VALVE = 0.8  # of the open valve, what a plan in ground asks for by default
+STANCE = dict.fromkeys(("pitch", "yaw"), ANGLE)
+LIMITS = {
+    "feed": Size("m/s", 1e-4, 1),
+    "acceleration": Size("m/s^2", 1e-4, 50),
+    "volume": Size("m^3/s", 0, 0.1),
+    "flow": Size("m^3/s", 0, 0.01),
+    "valve": Size("1", 0, 1),
+    "power": Size("W", 20, 1e7),
+}
+GROUND = {
+    "energy": Size("J/m^3", 1e3, 1e10),
+    "pick_speed": Size("m/s", 0.01, 20),
+    "normal": Size("1", 0, 5),
+    "ripple": Size("1", 0, 2),
+    "ripple_frequency": Size("Hz", 0, 500),
+}
+CYLINDERS = {"frame_pivot": "a", "arm_pivot": "b"} | {k: k for k in ("bore", "rod", "dead_length")}
+HYDRAULICS = {
+    "supply": Size("Pa", 1e5, 1e8),
+    "tank": Size("Pa", 1e3, 1e7),
+    "bulk": Size("Pa", 1e7, 1e10),
+    "hose": Size("m^3", 1e-7, 0.01),
+    "rated_flow": Size("m^3/s", 0, 0.01),
+    "pump": Size("m^3/s", 0, 0.1),
+    "valve_lag": Size("s", 0, 0.5),
+    "damping": Size("1", 0, 2),
+}
+HYDRAULICS |= dict.fromkeys(("head", "beam"), Size("kg", 0.5, 1e5))
+HYDRAULICS |= dict.fromkeys(("lift_friction", "swing_friction"), Size("N m", 0.1, 1e6))
+HYDRAULICS |= dict.fromkeys(("piston_leak", "valve_leak"), Size("m^3/s/Pa", 0, 1e-8))
+HYDRAULICS |= {f"{joint}_{name}": LENGTH for joint in ("lift", "swing") for name in CYLINDERS}
+PLAN = {
+    "tolerance": Size("m", 0, 0.1),
+    "step": Size("m", 0, 0.3),
+    "tick": Size("s", 0, 0.5),
+    "count": COUNT,
+    "rest": Size("s", 0, 60),
+    "laps": WHOLE,
+    "advance": Size("m", 0, 2),
+    "arm_radius": Size("m", 0, 5),
+    "path": TEXT,
+}
+LOOP = {"gain": Size("1/s", 0, 1e4), "feedforward": Size("1", 0, 2), "delay": WHOLE}
+EXPORTED = {"trip": Size("m", 1e-5, 1), "operations": Size("1/s", 0, 1e12)}  # for the controller
+CONTROLLER = {"plant": TEXT, "encoder": COUNT} | LOOP | EXPORTED
+POSE = dict.fromkeys("yz", Size("m", most=0.2))
+POSE |= dict.fromkeys(("roll", "pitch", "yaw"), Size("rad", most=0.8))
+WALL = {"along": WHOLE, "around": WHOLE, "thickness": Size("m", most=2)}
+MOST_RAYS = 4_000_000  # of a wall; with all that is made of them they take 2 GB
+VALVE = 0.8  # of the open valve, the default limit of a plan in ground
 FULL_SPEED = 0.4  # m/s of the cutter at the end of the arm, of the models that have no cylinder
 HYDRAULIC_REMEDY = (
     "The cylinders' sizes are those of [hydraulics]: lift_ and swing_ frame_pivot, arm_pivot, "
     'bore, rod and dead_length, and supply; or take plant = "T0" in [controller], which has none.'
 )
-USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, as of `ream.plan`
-EXPORTED = "trip", "operations"  # of the exported controller alone
-MOST_ENCODER = 0.1  # rad, as of a plan's count
+USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, the defaults of `ream.plan`
 
 
-# The models of both axes that a job may ask for; a further one is one entry here.
+# The models of both axes that a job may ask for; a further model is one entry here.
 PLANTS = {
     "T0": lambda job: [Integrator(job.full_rate)] * 2,
     "T1": lambda job: [Lag(job.full_rate, job.sizes.valve_lag)] * 2,
     "T2": lambda job: [Rigid(axis) for axis in job.cylinders],
     "T3": lambda job: [Compressible(axis) for axis in job.cylinders],
 }
-FEELING = "T3"  # the one whose axes share an arm and feel the ground
+FEELING = "T3"  # the model whose axes share an arm and feel the ground
 
 
 @dataclass(frozen=True)
 class Job:
-    """What a file asks for, in SI units: each table a dict of its names and values.
+    """A job as its file says it, in SI units: each table is a dict of names and values.
 
-    `read_job` makes one from a file. Nothing is computed before it is asked for.
+    `read_job` makes one from a file. Its properties are computed when they are first used.
 
     Parameters
     ----------
@@ -142,26 +140,27 @@ class Job:
     section : dict
         ``shape``: "egg", "circle" or "pieces", and its sizes in m and rad.
     limits : dict
-        Arguments of `Limits` but the axes.
+        Arguments of `Limits`, without the axes.
     plan : dict
         Options of `ream.plan`.
     controller : dict
-        ``plant``, one of `PLANTS`, options of `Loop`, and ``encoder``, the angle of its counts.
+        ``plant``, one of `PLANTS`; options of `Loop`; and ``encoder``, the angle of its counts.
     stance : dict
-        Pitch and yaw at which the machine is set up, in rad.
+        Pitch and yaw to which the machine is set up, in rad.
     pose : dict
-        Arguments of `Pose`, by which the machine really stands, unknown to it.
+        Arguments of `Pose`: by how much the machine stands elsewhere without knowing it.
     wall : dict
-        Rays ``along`` the tunnel and ``around`` it; ``thickness`` of the modelled ground, in m.
+        Numbers of rays ``along`` the tunnel and ``around`` it, and the ``thickness`` of the
+        modelled ground, in m.
     hydraulics : dict
-        Fields of `Sizes` that aren't the machine's usual ones; those of the cylinders begin with
-        ``lift_`` and ``swing_``.
+        Fields of `Sizes` that differ from the machine's usual ones; those of the cylinders begin
+        with ``lift_`` and ``swing_``.
     ground : dict
-        Arguments of `Ground`: empty where nothing pushes back.
+        Arguments of `Ground`; empty if nothing pushes back.
     body : dict
-        Arguments of `Body`: empty where only arm and cutter fill room.
+        Arguments of `Body`; empty if the machine is only an arm and a cutter.
     stamp : str
-        What its files say of it: name, digest and version. Jobs that ask for the same are equal.
+        What its files say of it: name, digest and version. Equality leaves it out.
     """
 
     machine: dict
@@ -182,7 +181,7 @@ class Job:
         """Return the `Machine`, with its `Body` if it has one."""
         with said_of("body"):
             body = Body(**self.body) if self.body else None
-        with said_of("machine", self.machine):
+        with said_of("machine"):
             return Machine(**self.machine, body=body)
 
     @cached_property
@@ -199,14 +198,14 @@ class Job:
 
     @cached_property
     def cylinders(self):
-        """Return the axes theta and phi, two `Hydraulics`; a refusal says what would do."""
-        sizes = self.sizes  # refused by itself
+        """Return the axes theta and phi, two `Hydraulics`."""
+        sizes = self.sizes  # outside: its own refusals need no remedy
         with said_of("hydraulics", remedy=HYDRAULIC_REMEDY):
             return axes_of(self.made, sizes)
 
     @property
     def full_rate(self):
-        """Return the full speed of both joints, in rad/s, of models without cylinders."""
+        """Return the full speed of both joints of a model without cylinders, in rad/s."""
         return FULL_SPEED / self.made.R
 
     @property
@@ -216,7 +215,7 @@ class Job:
 
     @cached_property
     def arm(self):
-        """Return the `Arm` that both joints share, or None if their plants don't feel it."""
+        """Return the `Arm` that both joints share, or None if their model doesn't feel it."""
         return arm_of(self.made, self.sizes) if self.controller["plant"] == FEELING else None
 
     @cached_property
@@ -226,22 +225,22 @@ class Job:
 
     @cached_property
     def cut_ground(self):
-        """Return the `Ground`, or None where nothing pushes back."""
+        """Return the `Ground`, or None if nothing pushes back."""
         with said_of("ground"):
             return Ground(**self.ground) if self.ground else None
 
     @cached_property
     def planned(self):
-        """Return the `Plan`, or raise ValueError with the reason against it."""
-        machine = self.made
+        """Return the `Plan`; raise ValueError with the reason if the job can't be planned."""
+        machine, _ = self.made, self.error  # a wrong pose is refused as early
         with said_of("section"):
             section = _shape(self.section)
         circuit = _circuit(machine, section, self.stance)
         _check_tolerance(machine, self.plan)
         if "power" in self.limits and not self.ground:
-            raise ValueError("[limits] power: needs the ground that takes it, a table [ground].")
+            raise ValueError("[limits] power: needs a table [ground], which the power cuts.")
         plants, loops = self.axes
-        # What a plan in oil, and in ground, is limited by unless the job says so.
+        # The defaults of a plan in oil, and in ground.
         usual = {"flow": self.sizes.pump} if self.oily else {}
         if self.oily and self.ground:
             usual["valve"] = VALVE
@@ -250,109 +249,68 @@ class Job:
             bounds["axes"] = self.cylinders
         with said_of("limits"):
             limits = Limits(**bounds)
-        if self.oily and not loops[0].integral:
+        if self.oily:
             for margin in gain_margins(circuit, plants, loops):
                 if margin.what.startswith("gain") and not margin.enough:
                     raise ValueError(f"[controller] {margin}")
-        with said_of("plan", self.plan):
+        with said_of("plan"):
             return plan(circuit, limits, **self.plan)
 
     @cached_property
     def margins(self):
-        """Return the list of `Margin` that the machine has for the plan; none without cylinders."""
-        plants, loops = self.axes
-        if not self.oily or loops[0].integral:
-            return []
-        return capability(self.planned, plants, loops, self.sizes)
+        """Return the `Margin`s that the machine has for the plan; none without cylinders."""
+        return capability(self.planned, *self.axes, self.sizes) if self.oily else []
 
     @cached_property
     def in_step(self):
-        """Return each joint's `Margin` against chatter if the picks are in step, or none."""
-        plants, loops = self.axes
-        if not self.pushing or not self.pushing.ripple_frequency or loops[0].integral:
+        """Return each joint's `Margin` against chatter by picks in step; none without a ripple."""
+        if not self.pushing or not self.pushing.ripple_frequency:
             return []
-        return chatter_margins(self.planned, plants, loops)
+        return chatter_margins(self.planned, *self.axes)
 
     @cached_property
     def axes(self):
         """Return the plants and the loops of theta and phi, each a list of two."""
-        about = dict(self.controller)
-        plants = PLANTS[about.pop("plant")]
-        encoder = about.pop("encoder", None)
-        for own in EXPORTED:
-            about.pop(own, None)
-        sampled = {name: self.plan.get(name, usual) for name, usual in USUAL.items()}
+        options = {name: self.controller[name] for name in LOOP if name in self.controller}
+        if "encoder" in self.controller:
+            options["count"] = self.controller["encoder"]
+        with said_of("plan"):
+            loop = Loop(1.0, **{name: self.plan.get(name, usual) for name, usual in USUAL.items()})
         with said_of("controller"):
-            loop = Loop(tick=USUAL["tick"], **about)
-        with said_of("plan", self.plan):
-            loop = replace(loop, **sampled)
-        if encoder is not None:
-            with said_of("controller", self.controller):
-                if not 0 <= encoder <= MOST_ENCODER:
-                    raise ValueError(
-                        f"encoder: must be from 0 to {MOST_ENCODER:g} rad; got {encoder:g}."
-                    )
-            loop = replace(loop, count=encoder)
-        return plants(self), [loop, loop]
+            loop = replace(loop, **options)
+        return PLANTS[self.controller["plant"]](self), [loop, loop]
 
     @cached_property
     def error(self):
-        """Return the `Pose` that the machine has and doesn't know of, or None."""
-        with said_of("pose", self.pose):
+        """Return the `Pose` by which the machine stands elsewhere without knowing it, or None."""
+        with said_of("pose"):
             return Pose(**self.pose) if self.pose else None
 
     @property
     def limit(self):
-        """Return the overbreak at which the colours of pictures end, in m."""
+        """Return the overbreak at which the colour scale of pictures ends, in m."""
         return 1.5 * self.plan["tolerance"]
 
-    @property
-    def expected_seconds(self):
-        """Return about how long axes and wall of `simulated` will take, two numbers in s."""
-        options = self._options
-        about = {name: options[name] for name in options if name != "pose"}
-        with said_of("wall", instead=("shape", "along, around")):
-            return expected_seconds(self.planned, *self.axes, **about)
-
-    @cached_property
-    def _options(self):
-        """Return the options of `simulate`; too many rays or ticks for the memory are refused."""
-        shape = self.wall["along"], self.wall["around"]
-        with said_of("wall"):
-            whole("along, around", shape, 1, MOST_RAYS)
-            thickness = positive("thickness", self.wall.get("thickness", 0.1))
-        with said_of("wall", instead=("shape", "along, around")):
-            check_fits(shape, A_RAY, allowed_memory(), "rays, with all that is made of them,")
-        ticks = self.planned.laps * int(self.planned.ticks.sum())
-        if A_TICK * ticks > allowed_memory():
-            raise ValueError(
-                f"[plan] tick, laps: {ticks} ticks need {A_TICK * ticks / 1e9:.3g} GB, and "
-                f"{allowed_memory() / 1e9:.3g} GB are allowed."
-            )
-        ground = {"arm": self.arm, "ground": self.pushing}
-        return {"pose": self.error, "shape": shape, "thickness": thickness, **ground}
-
     def simulated(self, say=None):
-        """Return the `Cut`, or raise ValueError with the reason; `say` gets the progress."""
-        with said_of("wall", instead=("shape", "along, around")):
-            return simulate(self.planned, *self.axes, say=say, **self._options)
+        """Return the `Cut`; `say` is called with sentences about the progress."""
+        shape = self.wall["along"], self.wall["around"]
+        about = {"pose": self.error, "arm": self.arm, "ground": self.pushing}
+        about |= {"shape": shape, "thickness": self.wall["thickness"], "say": say}
+        return simulate(self.planned, *self.axes, **about)
 
 
 @checked
 def read_job(path: str | Path):
-    """Return the `Job` that a TOML file asks for, checked for names, types and units.
+    """Return the `Job` that a TOML file asks for, with names, types and units checked.
 
-    The path ``-`` is standard input. A job names no other file, so that nothing else can be read
-    or written at its wish.
+    The path ``-`` is standard input. A job can't name another file to be read or written.
 
     Raises
     ------
     WrongJob
-        If the file can't be read, isn't TOML, or has a table, a name or a value that it shouldn't
-        have or lacks one.
+        If the file can't be read, isn't TOML, has an unknown table or name, or lacks one.
     """
     tables, stamp = parsed_toml(path)
-    check_leaves(tables)
     known = [one.name for one in fields(Job) if one.name != "stamp"]
     for name, table in tables.items():
         if name not in known:
@@ -373,7 +331,7 @@ def read_job(path: str | Path):
         controller=controller,
         stance=read_table("stance", given["stance"], STANCE),
         pose=read_table("pose", given["pose"], POSE),
-        wall={"along": 200, "around": 360, **read_table("wall", given["wall"], WALL)},
+        wall=_read_wall(given["wall"]),
         hydraulics=read_table("hydraulics", given["hydraulics"], HYDRAULICS),
         ground=_read_if_any("ground", given["ground"], GROUND, ("energy", "pick_speed")),
         body=_read_if_any("body", given["body"], BODY, ("length", "width", "low", "high")),
@@ -382,12 +340,27 @@ def read_job(path: str | Path):
 
 
 def _read_if_any(table, given, units, needed):
-    """Return what a table says: nothing if it is missing, else with all that it needs."""
+    """Return an optional table's values; if it is there it must hold what is `needed`."""
     return read_table(table, given, units, needed) if given else {}
 
 
+def _read_wall(given):
+    """Return the numbers of rays and the thickness of the modelled ground, in m."""
+    wall = {"along": 200, "around": 360, "thickness": 0.1, **read_table("wall", given, WALL)}
+    shape = wall["along"], wall["around"]
+    with said_of("wall"):
+        whole("along, around", shape, 1, MOST_RAYS)
+        positive("thickness", wall["thickness"])
+        if shape[0] * shape[1] > MOST_RAYS:
+            raise ValueError(
+                f"along, around: must be at most {MOST_RAYS} rays together; "
+                f"got {shape[0]} x {shape[1]}."
+            )
+    return wall
+
+
 def _read_section(given):
-    """Return what a section's table says, with its pieces as arcs and lines."""
+    """Return the values of the section's table, with its pieces as arcs and lines."""
     given = dict(given)
     shape = given.pop("shape", None)
     one_of("[section] shape", shape, SHAPES)
@@ -405,7 +378,7 @@ def _read_section(given):
         one_of(f"[{where}] kind", kind, PIECES)
         make, units = PIECES[kind]
         sizes = read_table(where, row, units, units)
-        with said_of(where, sizes):
+        with said_of(where):
             pieces.append(make(**sizes))
     return {"shape": shape, "pieces": tuple(pieces), **rest}
 
@@ -418,31 +391,22 @@ def _shape(section):
 
 
 def _circuit(machine, section, stance):
-    """Return the circuit, or raise ValueError with the heights of the machine that would do."""
+    """Return the circuit; a machine that stands level at a wrong height is told the right ones."""
     try:
         return cutting_circuit(machine, section, **stance)
     except ValueError as error:
-        if str(error).partition(":")[0] in STANCE:
-            with said_of("stance", stance):
-                raise
         low, high = machine.heights(section)
-        if any(stance.values()) or low <= machine.height <= high:
+        if any(stance.values()) or low <= machine.height <= high or low >= high:
             raise
-        which = "Another [machine] height doesn't help."
-        if low < high:
-            which = f"[machine] height: may be from {low:.3f} to {high:.3f} m."
-        raise ValueError(f"{error} {which}") from None
+        remedy = f"[machine] height: may be from {low:.3f} to {high:.3f} m."
+        raise ValueError(f"{error} {remedy}") from None
 
 
 def _check_tolerance(machine, plan):
     """Raise ValueError if the tolerance is below what one count moves the cutter."""
-    count = plan.get("count", USUAL["count"])
-    moved = count * (machine.r + machine.R)
+    moved = plan.get("count", USUAL["count"]) * (machine.r + machine.R)
     if 0 < plan["tolerance"] < moved:
-        angle = f"{count:.3g} rad"
-        if "count" in getattr(plan, "degrees", ()):
-            angle = f"{np.degrees(count):.3g} degrees"
         raise ValueError(
-            f"[plan] tolerance: must be at least what a count of {angle} moves the cutter, "
-            f"{moved:.2g} m; got {plan['tolerance']:g} m."
+            f"[plan] tolerance: must be at least the {moved:.2g} m that a count moves the cutter; "
+            f"got {plan['tolerance']:g} m."
         )

@@ -1,4 +1,4 @@
-"""Which key of a job halves a fault of its budget, confirmed by another simulation."""
+"""Which key of a job halves a fault of its budget, as another simulation confirms."""
 
 from dataclasses import replace
 from functools import partial
@@ -9,21 +9,21 @@ import numpy as np
 from ..motion.stability import is_stable
 from ..ream import Case, halving, plan
 
-# The table of a job that has each remedy.
-TABLES = {"tolerance": "plan", "step": "plan", "tick": "plan", "count": "plan",
-          "encoder": "controller", "gain": "controller",
-          "feed": "limits", "acceleration": "limits", "power": "limits"}  # fmt: skip
+# The table of a job in which each remedy stands.
+TABLES = dict.fromkeys(("tolerance", "step", "tick", "count"), "plan")
+TABLES |= dict.fromkeys(("encoder", "gain"), "controller")
+TABLES |= dict.fromkeys(("feed", "acceleration", "power"), "limits")
 USUAL = {name: about.default for name, about in signature(plan).parameters.items()}
 
 
 def halved_by(job, faults, say=None):
-    """Return (key, factor, left) for each of the `faults` of a `job`: what halves it.
+    """Return (key, factor, left) for each of the `faults` of a `job`: the change that halves it.
 
-    They are the key as the job writes it, ``[table] key``, the factor that multiplies it, and the
+    These are the key as the job writes it, ``[table] key``, the factor that multiplies it, and the
     share of the fault that a simulation then leaves. All three are None if none of the keys tried
-    leaves about a half. `say` is told how far it is.
+    leaves about a half. `say` is called with sentences about the progress.
     """
-    runs = {}  # by their changes: one may be tried for several faults
+    runs = {}  # by change, since several faults may try the same one
 
     def again(source, what, factor):
         if (what, factor) not in runs:
@@ -45,7 +45,7 @@ def halved_by(job, faults, say=None):
 
 
 def changed(job, what, factor):
-    """Return a `job` with one of its remedies multiplied by a `factor`, or None if it has none."""
+    """Return a `job` with the remedy `what` multiplied by a `factor`; None if it lacks that key."""
     if what == "pose":
         return replace(job, pose={name: factor * value for name, value in job.pose.items()})
     what = _own(job, what)
@@ -57,7 +57,7 @@ def changed(job, what, factor):
 
 
 def _own(job, what):
-    """Return the key for `what`: without an own key the encoder has the set-values' counts."""
+    """Return the key for `what`; an encoder without a key has the set-values' count."""
     return "count" if what == "encoder" and "encoder" not in job.controller else what
 
 
@@ -66,13 +66,11 @@ def _key(job, what):
     if what == "pose":
         return "[pose]"
     what = _own(job, what)
-    table = getattr(job, TABLES[what])
-    degrees = "_deg" if what in getattr(table, "degrees", ()) else ""
-    return f"[{TABLES[what]}] {what}{degrees}"
+    return f"[{TABLES[what]}] {what}"
 
 
 def _case(job):
-    """Return the `Case` of a job; None where there is none, or it would be refused."""
+    """Return the `Case` of a job; None without a job, or if the job would be refused."""
     if job is None:
         return None
     try:

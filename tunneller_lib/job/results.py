@@ -1,4 +1,4 @@
-"""What came of a job: its numbers, lines for people, and the files that others may want of it."""
+"""The results of a job: numbers, lines for people, and files for other programs."""
 
 import numpy as np
 
@@ -9,23 +9,20 @@ from .controller import program
 from .controller_texts import c99_header, c99_text, plcopen_xml
 from .csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv, table
 from .drawing import dxf
-from .mesh import stl, vtk, wall_solid
+from .mesh import stl, wall_solid
 from .remedies import halved_by
 
 SEVERAL = 3  # times the tolerance, above which an over- or underbreak is worth a warning
-FAULT = ("source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio", "halved_by",
-         "factor", "left", "kind")  # fmt: skip
+FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio"
+HALVED = "halved_by", "factor", "left"
 LAP = "lap", "over_m", "under_m", "removed_m3"
 CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
-# What a fault is due to, for people.
+# The kinds of faults, as people read them.
 DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "paper": "method"}
-# How the first line of a text says which job it is of. Tables have nothing but rows; wall.stl and
-# wall.vtk have places of their own for it.
-STAMPED = {
-    ".csv": "", ".st": "(* {} *)\n", ".c": "/* {} */\n", ".h": "/* {} */\n",
-    ".xml": "<!-- {} -->\n", ".dxf": "999\n{}\n",
-}  # fmt: skip
+# The first line of a text, which says of which job it is; a table has nothing but rows.
+STAMPED = {".st": "(* {} *)\n", ".xml": "<!-- {} -->\n", ".dxf": "999\n{}\n"}
+STAMPED |= dict.fromkeys((".c", ".h"), "/* {} */\n")
 
 
 def plan_numbers(job):
@@ -47,19 +44,18 @@ def plan_numbers(job):
 def summarise(job, cut, say=None):
     """Return the numbers of a `Job` and its simulated `Cut`, in SI units, ready for JSON.
 
-    They are those of the plan and of the cut; report/guide/command.md lists them. `say` is told how
-    far the budget is.
+    report/guide/command.md lists them. `say` is called with sentences about the progress.
     """
     plan = job.planned
     found = budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
-    faults = [
-        (f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio, *remedy, f.kind)
-        for f, remedy in zip(found, halved_by(job, found, say), strict=True)
-    ]
+    faults = []
+    for f, remedy in zip(found, halved_by(job, found, say), strict=True):
+        row = f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio
+        halved = dict(zip(HALVED, remedy, strict=True))
+        faults.append(dict(zip(FAULT, row, strict=True)) | halved | {"kind": f.kind})
     beside = [*used(plan, job.axes[0], cut, job.sizes), *job.in_step]
     numbers = plan_numbers(job)
-    # The cutter may overshoot the wanted wall where it enters and leaves; there it is meant to be
-    # within, so nothing counts as underbreak.
+    # On entry and exit an overshoot counts; being short of the wall is no underbreak there.
     sides = np.concatenate([cut.before, cut.after])[:, 1:]
     over = max(0.0, float(cut.deviation.max()))
     over = max(over, float(np.max(-plan.circuit.profile.depth(*sides.T), initial=0.0)))
@@ -72,18 +68,13 @@ def summarise(job, cut, say=None):
         "underbreak_m": under,
         "each_lap": _laps(cut),
         "saturated_share": cut.track.saturated_share.tolist(),
-        "faults": [dict(zip(FAULT, fault, strict=True)) for fault in faults],
-        "warnings": [
-            *_warnings(job, over, under),
-            *_colliding(job),
-            *_coarse(job, cut),
-            *_strained(job, cut),
-        ],
+        "faults": faults,
+        "warnings": [*_warnings(job, over, under), *_colliding(job), *_strained(job, cut)],
     }
 
 
 def _laps(cut):
-    """Return a row for the first lap of a cut and, if there are several, for the last."""
+    """Return a row for the first lap of a cut and, if there are several, one for the last."""
     found = []
     for lap in sorted({0, cut.plan.laps - 1}):
         off = cut.lap_deviations[lap]
@@ -93,7 +84,7 @@ def _laps(cut):
 
 
 def _warnings(job, over, under):
-    """Return sentences about results so large that the job may be mistaken."""
+    """Return sentences about results so large that the job may contain a mistake."""
     depth = job.machine["depth"]
     tolerance = job.plan["tolerance"]
     found = []
@@ -106,13 +97,13 @@ def _warnings(job, over, under):
         if worst > SEVERAL * tolerance:
             found.append(
                 f"the {name}break of {1e3 * worst:.3g} mm is {worst / tolerance:.2g} times the "
-                f"tolerance of {1e3 * tolerance:g} mm; above {SEVERAL} times this is said."
+                f"tolerance of {1e3 * tolerance:g} mm; this warning begins at {SEVERAL} times."
             )
     return found
 
 
 def _colliding(job):
-    """Return sentences about parts that are in the wall where the machine really stands."""
+    """Return sentences about parts that are in the wall in the machine's real pose."""
     if job.error is None:
         return []
     arm_radius = job.plan.get("arm_radius", 0.0)
@@ -125,11 +116,11 @@ def _colliding(job):
 
 
 def _strained(job, cut):
-    """Return sentences about what the machine lacks, and about ground that no axis feels."""
+    """Return sentences about what the machine lacks, and about ground that isn't felt."""
     found = [str(margin) for margin in job.margins if not margin.enough]
     if job.ground and job.pushing is None:
         found.append(
-            '[ground]: limits the feed alone; only plant = "T3" feels its force, and the wall\'s '
+            '[ground]: only limits the feed, since only plant = "T3" feels its force; the wall\'s '
             "error lacks it."
         )
     if not job.ground and job.controller["plant"] == "T3":
@@ -138,30 +129,13 @@ def _strained(job, cut):
         if share > 0:
             found.append(
                 f"{joint}'s valve is fully open for {100 * share:.2g} % of the time, and the axis "
-                "doesn't follow; a lower [limits] feed or power would do."
+                "lags behind; a lower [limits] feed or power would do."
             )
     return found
 
 
-def _coarse(job, cut):
-    """Return sentences about rays so far apart that a groove may meet only one."""
-    radius = job.machine["cutter_radius"]
-    depth = job.machine["depth"]
-    half = np.sqrt(depth * (2 * radius - depth))
-    sizes = {
-        "along": np.ptp(cut.centres[:, 0]) + 2 * radius,
-        "around": job.planned.circuit.section.perimeter,
-    }
-    return [
-        f"[wall] {name}: {job.wall[name]} rays are {1e3 * size / job.wall[name]:.0f} mm apart, and "
-        f"half a groove is {1e3 * half:.0f} mm wide."
-        for name, size in sizes.items()
-        if size / job.wall[name] > half
-    ]
-
-
 def _lap_line(row):
-    """Return what a lap leaves and removes as a line for people."""
+    """Return a line about what a lap leaves and removes."""
     which = "lap 1, in whole ground" if row["lap"] == 1 else f"lap {row['lap']}, beside another"
     return (
         f"{which}: overbreak {1e3 * row['over_m']:.3f} mm, underbreak "
@@ -191,15 +165,14 @@ def plan_text(numbers):
         )
     if any(row["what"].startswith("in step") for row in numbers["machine"]):
         lines += [
-            "in step: the ground's damper where picks follow each other in one track;",
-            "a joint that has less would chatter in it, at any feed; the budget is of picks that",
-            "don't follow each other in one track",
+            "in step: the ground's damper if picks follow each other in one track; a joint that",
+            "has less would chatter at any feed; the budget assumes that picks aren't in step",
         ]
     return "\n".join(lines)
 
 
 def _listed(pairs, form):
-    """Return pairs of a name and a number in a line."""
+    """Return pairs of a name and a number as one line."""
     return ", ".join(f"{name} {number:{form}}" for name, number in pairs)
 
 
@@ -234,16 +207,16 @@ def summary_text(numbers):
         )
     lines += [
         "A ratio is simulated over closed form, which is for slow, small motions.",
-        "What halves a source was simulated: with that key of the job multiplied so, that share of",
-        "it is left; - where none of the keys tried leaves 0.4 to 0.6.",
+        "What halves a source was simulated: with that key of the job times the factor, the given",
+        "share is left; - means that none of the keys tried leaves 0.4 to 0.6.",
     ]
     return "\n".join(lines)
 
 
 def write_all(job, cut, folder, numbers, say):
-    """Write the files of a job and its cut, but pictures, into a new `folder`; return their paths.
+    """Write the files of a job and its cut, without pictures, into a new `folder`.
 
-    The `numbers` are those of `summarise`; `say` is told which file is being written.
+    Return their paths. The `numbers` are those of `summarise`; `say` gets the files' names.
     """
     plan = job.planned
     controller = program(plan, job)
@@ -264,7 +237,6 @@ def write_all(job, cut, folder, numbers, say):
         "blocks.st": lambda: controller.blocks,
         "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
-        "wall.vtk": lambda: vtk(cut.wall, plan.circuit, job.stamp),
         "wall.stl": lambda: stl(*wall_solid(cut.wall), job.stamp),
     }
     folder.mkdir(parents=True)
@@ -273,7 +245,7 @@ def write_all(job, cut, folder, numbers, say):
         say(f"writing {file.name}")
         content = make()
         if isinstance(content, str):
-            content = [(STAMPED[file.suffix].format(job.stamp) + content).encode()]
+            content = [(STAMPED.get(file.suffix, "").format(job.stamp) + content).encode()]
         with file.open("wb") as opened:
-            opened.writelines(content)  # block by block, since a wall may be large
+            opened.writelines(content)  # in blocks, since a wall may be large
     return files

@@ -1,17 +1,16 @@
-"""Pictures of a cut: the wall unrolled, and what single laps leave along the section."""
+"""Pictures of a cut: the unrolled wall, and the overbreak of single laps."""
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from .atomic_write import replacement
 from .mesh import SCALAR
 
-ROOF = np.pi / 2  # rad, the angle from y over z at which the wall's middle is
-SAMPLES = 3601  # of the section, for the arc lengths of rays
-DPI = 200  # of pictures whose width on paper is 6.3 inches
+ROOF = np.pi / 2  # rad, the angle of the roof, which is drawn in the middle
+SAMPLES = 3601  # of the section, between which arc lengths are interpolated
+DPI = 200  # the pictures are 6.3 inches wide
 TUNNEL, FIRST, LAST, LIMITS = "#C9C2B8", "#C42A52", "#222222", "#4D4D4D"
-WHOLE = 0.999  # of the depth of cut: ground that stands farther in is untouched
+WHOLE = 0.999  # share of the depth of cut: ground that stands farther in is untouched
 
 
 def write_pictures(job, cut, wall, laps):
@@ -25,7 +24,7 @@ def write_pictures(job, cut, wall, laps):
 
 
 def draw_unrolled(ax, cut, *, limit):
-    """Draw the standing wall as seen from within, with its overbreak in colour.
+    """Draw the standing wall, unrolled and seen from within, with its overbreak in colour.
 
     Parameters
     ----------
@@ -33,13 +32,13 @@ def draw_unrolled(ax, cut, *, limit):
     cut : Cut
         A simulated or carved cut.
     limit : float
-        Over- and underbreak at the ends of the colour scale, in m. Untouched ground has the
-        tunnel's colour.
+        Over- and underbreak at the ends of the colour scale, in m. Untouched ground has a colour
+        of its own.
 
     Returns
     -------
     shades : matplotlib.collections.QuadMesh
-        Overbreak in mm; along the section, from the roof in m, above zero to the right.
+        Overbreak in mm; x is the arc length from the roof, in m, positive to the right.
     """
     lines = cut.wall.lines
     along = _from_roof(cut.plan.circuit.section, np.arctan2(lines.sin, lines.cos))
@@ -58,7 +57,7 @@ def draw_unrolled(ax, cut, *, limit):
 
 
 def draw_laps(ax, cut, *, tolerance):
-    """Draw what the first lap of a cut leaves and, beside it, the last.
+    """Draw the overbreak of a cut's first lap and, if there are several, of its last.
 
     Parameters
     ----------
@@ -66,13 +65,13 @@ def draw_laps(ax, cut, *, tolerance):
     cut : Cut
         A simulated or carved cut.
     tolerance : float
-        Drawn to both sides, in m.
+        Drawn on both sides of zero, in m.
 
     Returns
     -------
     lines : list of matplotlib.lines.Line2D
-        Overbreak in mm against the place along the offset section in m: of the first lap, in whole
-        ground, and of the last, which is cut beside another, if there are two.
+        Overbreak in mm over the arc length along the offset section in m: of the first lap, in
+        whole ground, and of the last, which is cut beside another.
     """
     plan = cut.plan
     places = plan.places
@@ -89,16 +88,15 @@ def draw_laps(ax, cut, *, tolerance):
 
 
 def write_drawing(path, figure, stamp):
-    """Write a figure of matplotlib to a PNG file, with a stamp in its head; return the path."""
+    """Write a matplotlib figure to a PNG file with a stamp as its comment; return the path."""
     figure.set_dpi(DPI)
-    with replacement(path) as new:
-        # Not by savefig, which would draw twice, once for the layout.
-        FigureCanvasAgg(figure).print_png(new, metadata={"Comment": stamp})
+    # Not by savefig, which would draw twice, once for the layout.
+    FigureCanvasAgg(figure).print_png(path, metadata={"Comment": stamp})
     return path
 
 
 def _from_roof(section, angle):
-    """Return arc lengths (n,) of a section, in m, from the roof to the right, at angles in rad."""
+    """Return the arc lengths (n,) in m from a section's roof to the right, at angles in rad."""
     s = np.linspace(0, section.perimeter, SAMPLES)
     y, z = section.point(s).T
     turned = np.unwrap(np.arctan2(z, y))

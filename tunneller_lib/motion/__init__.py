@@ -1,4 +1,4 @@
-"""Motion: set-values in whole counts, the hydraulic axes and their loops, tasks, exports."""
+"""Motion: set-values in whole counts, hydraulic axes and their loops, tasks, exports."""
 
 from . import sizing, stability, tasks
 from .both_joints import Push

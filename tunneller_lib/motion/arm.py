@@ -1,4 +1,4 @@
-"""The arm and the head on both joints: inertia, weight, and how the joints act on each other.
+"""The arm and the cutter head: inertia, weight, and how both joints act on each other.
 
 The head is a point at the cutter's centre, the arm a uniform rod from the tangential joint to it.
 For the head rho = r + R cos(phi), and likewise for each piece of the arm. Kinetic and potential
@@ -24,8 +24,8 @@ GRAVITY = 9.81  # m/s^2
 class Moments(NamedTuple):
     """An `Arm` as plain numbers: the sums of m, m s and m s^2 over its masses m.
 
-    The distance s of a mass is measured from the tangential joint. The functions below take
-    angles and rates as floats or as arrays.
+    s is the distance of a mass from the tangential joint. The functions below take angles and
+    rates as floats or as arrays.
     """
 
     r: float  # m
@@ -43,20 +43,20 @@ def lift_inertia(moments, phi):
 
 
 def weights(moments, theta, phi):
-    """Return the torques dV/dtheta and dV/dphi of the weight, in N m: they resist the joints."""
+    """Return the torques dV/dtheta and dV/dphi by which the weight resists the joints, in N m."""
     reach = moments.mass * moments.r + moments.first * cosine(phi)
     lift = -GRAVITY * cosine(theta) * reach
     return lift, GRAVITY * sine(theta) * moments.first * sine(phi)
 
 
 def couplings(moments, phi, theta_rate, phi_rate):
-    """Return the torques, in N m, by which the joints' motions resist theta and phi.
+    """Return the torques by which the joints' motions resist theta and phi, in N m.
 
-    On theta acts the Coriolis torque (dI/dphi) theta' phi', on phi the centrifugal torque
-    -(dI/dphi) theta'^2 / 2, with theta's inertia I by an arm's `moments`. `phi` is in rad, the
-    rates theta' = `theta_rate` and phi' = `phi_rate` are in rad/s.
+    The Coriolis torque (dI/dphi) theta' phi' acts on theta, the centrifugal torque
+    -(dI/dphi) theta'^2 / 2 on phi, where I is theta's inertia by an arm's `moments`. `phi` is in
+    rad, the rates theta' = `theta_rate` and phi' = `phi_rate` are in rad/s.
     """
-    # Half of dI/dphi.
+    # Half of dI/dphi, with dI/dphi = -2 sin(phi) sum m s (r + s cos(phi)).
     half = -sine(phi) * (moments.r * moments.first + moments.second * cosine(phi))
     return 2 * half * theta_rate * phi_rate, -half * theta_rate * theta_rate
 
@@ -64,12 +64,13 @@ def couplings(moments, phi, theta_rate, phi_rate):
 @dataclass(frozen=True)
 @checked
 class Arm:
-    """The masses that both joints carry: a cutter head and an arm.
+    """The masses that both joints carry: a cutter head and a uniform arm.
 
     Parameters
     ----------
     r, R : float
-        From the horizontal to the tangential joint, and from there to the cutter's centre, in m.
+        Distances from the horizontal to the tangential joint, and from there to the cutter's
+        centre, in m.
     head : float
         Mass of the cutter head with its drive, in kg, at the cutter's centre.
     beam : float
@@ -82,8 +83,8 @@ class Arm:
 
     Notes
     -----
-    The theta axis is level, and theta grows downwards. A test derives the equations of motion
-    again with a multibody code.
+    The theta axis is horizontal, and theta grows downwards. A test derives the equations of motion
+    with sympy's mechanics, too.
 
     Examples
     --------
@@ -109,21 +110,21 @@ class Arm:
 
     @checked
     def inertias(self, phi: Angles):
-        """Return theta's and phi's inertia (...), in kg m^2, at angles phi in rad."""
+        """Return theta's and phi's inertias (...) at angles phi in rad, in kg m^2."""
         about_theta = lift_inertia(self.moments, phi)
         return about_theta, self.moments.second + np.zeros_like(about_theta)
 
     @checked
     def weight(self, position: Positions):
-        """Return the torques (..., 2) that resist positive motion, in N m, at joint positions.
+        """Return the torques (..., 2) by which the weight resists positive motion, in N m.
 
-        phi's is R sin(phi) sin(theta) of each mass times its weight; positions (..., 2) are in rad.
+        Joint positions (..., 2) are in rad.
         """
         return np.stack(weights(self.moments, position[..., 0], position[..., 1]), axis=-1)
 
     @checked
     def energy(self, position: Positions, rate: Rates):
-        """Return kinetic and potential energy (...), in J, at positions in rad, rates in rad/s."""
+        """Return kinetic and potential energy (...) at positions in rad, rates in rad/s, in J."""
         about_theta, about_phi = self.inertias(position[..., 1])
         kinetic = (about_theta * rate[..., 0] ** 2 + about_phi * rate[..., 1] ** 2) / 2
         reach = self.moments.mass * self.r + self.moments.first * np.cos(position[..., 1])

@@ -1,7 +1,7 @@
-"""Both joints as one machine in time: oil of both axes, the arm that they share, and the ground.
+"""Both joints as one machine in time: the oil of both axes, the arm that they share, the ground.
 
-The state of each axis is that of `Compressible`. Arm and ground add torques. The energies are
-integrated along with the states, so that they can be balanced after each tick.
+The state of each axis is that of `Compressible`; arm and ground add torques. The energies are
+integrated together with the states, so that they can be balanced after each tick.
 """
 
 import math
@@ -22,33 +22,33 @@ from .oil import (
     with_pressures,
 )
 
-# What the pump gives less what the tank gets, and where it goes.
+# The energy that the pump gives less what the tank gets, and where it goes.
 ENERGIES = "supplied", "valves and leaks", "compressed oil", "friction", "ground"
 
-DAMPED = 1.0  # the longest step, over the time in which a damper alone stops the arm
-MOST_PARTS = 1_000_000  # steps of a tick
+DAMPED = 1.0  # longest step, relative to the time constant of a damper that stops the arm
+MOST_PARTS = 1_000_000  # integration steps in a tick
 
 
 class Push(NamedTuple):
-    """What the ground does to both joints, in one tick or in several successive ones.
+    """The ground's resistance to both joints, in one tick or in several successive ones.
 
-    It resists positive motion of joint i, which turns at the rate w_i, by the torque torque_i +
+    Positive motion of joint i, which turns at the rate w_i, is resisted by the torque torque_i +
     F (lever_i^2 w_i / v + across_i), with the cutter's speed v = |(lever_i w_i)| and the force
     F = damper v + max(front . w, 0).
 
     Parameters
     ----------
     torque : (..., 2) float
-        Torques at any rates, in N m.
+        Torques that don't depend on the rates, in N m.
     damper : (...) float
-        Force against the motion over the speed, in N s/m.
+        Force against the motion per speed, in N s/m.
     lever : (..., 2) float
         How far a radian of each joint moves the cutter, in m.
     across : (..., 2) float
-        Levers of the part of the force that pushes outwards, in m.
+        Levers of the force's part across the motion, in m.
     front : (..., 2) float
-        Force against the motion over the rate of each joint, in N s, where it depends on the
-        direction: a joint that turns the cutter away from the ground reduces it.
+        Force against the motion per rate of each joint, in N s. A joint that turns the cutter
+        away from the ground reduces the force.
     """
 
     torque: tuple | np.ndarray = (0.0, 0.0)
@@ -59,7 +59,7 @@ class Push(NamedTuple):
 
     @property
     def rows(self):
-        """Return torque, damper, lever, across and front as rows (n, 9), one a tick."""
+        """Return torque, damper, lever, across and front as rows (n, 9), one for each tick."""
         pairs = self.torque, self.lever, self.across, self.front
         rows = np.empty(
             (*np.broadcast_shapes(np.shape(self.damper), *(np.shape(p)[:-1] for p in pairs)), 9)
@@ -70,7 +70,7 @@ class Push(NamedTuple):
 
 
 class TwoAxes(NamedTuple):
-    """Both axes as plain numbers, and the arm, where it is `shared`."""
+    """Both axes as plain numbers, and the arm, which counts if it is `shared`."""
 
     theta: Axis
     phi: Axis
@@ -86,15 +86,15 @@ def machine_of(axes, arm):
 
 
 def least_parts(axes, tick):
-    """Return the number of steps of a tick, in s, of two `Hydraulics` that nothing pushes."""
+    """Return the number of steps of a tick, in s, for two `Hydraulics` that nothing pushes."""
     return parts_of(tick, tick * max(map(steps_of, axes)))
 
 
 def parts_in(machine, least, rows, tick):
-    """Return the numbers (n,) of steps, at least `least`, of ticks in s of a `machine`.
+    """Return the numbers (n,) of steps, at least `least`, for ticks in s of a `machine`.
 
-    It is a `TwoAxes`, pushed by `rows` of a `Push`. In hard ground the damper makes the equations
-    stiff, and it changes from tick to tick.
+    The `TwoAxes` are pushed by `rows` of a `Push`. In hard ground the damper makes the equations
+    stiff: their fastest rate is then the damper times lever^2 over the inertia.
     """
     inertia = machine.theta.inertia, machine.phi.inertia
     lever = rows[:, 3:5]
@@ -104,17 +104,17 @@ def parts_in(machine, least, rows, tick):
     parts = np.maximum(least, np.ceil(tick * stiff / DAMPED))
     if not parts.max(initial=0.0) <= MOST_PARTS:
         raise ValueError(
-            f"ground: must let a tick be integrated in at most {MOST_PARTS} steps; got a force of "
-            f"{np.abs(rows[:, [2, 7, 8]]).max():.3g} N by the metre or radian in a second."
+            f"ground: must be so soft that a tick takes at most {MOST_PARTS} steps; got "
+            f"{np.abs(rows[:, [2, 7, 8]]).max():.3g} N for each metre or radian a second."
         )
     return parts.astype(np.int64)
 
 
 def machine_tick(machine, state, openings, push, parts, tick):
-    """Return both axes' states and the energies, each (5,), of a `machine` a tick, in s, later.
+    """Return both axes' states and the energies, each (5,), of a `machine` after a tick, in s.
 
-    In so many `parts`, by Runge and Kutta's method, under `openings` of both valves and a `push`, a
-    row of `Push.rows`. The integration ends where an axis leaves its stroke.
+    The tick is integrated in so many `parts` by the classical Runge-Kutta method, under `openings`
+    of both valves and a `push`, a row of `Push.rows`, until an axis leaves its stroke.
     """
     theta, phi = machine.theta, machine.phi
     h = tick / parts
@@ -134,14 +134,14 @@ def machine_tick(machine, state, openings, push, parts, tick):
 
 
 def all_along(state, h, k):
-    """Return both states and the energies a time h, in s, later, at the changes k a second."""
+    """Return both states and the energies after a time h, in s, at the rates of change k."""
     return along(state[0], h, k[0]), along(state[1], h, k[1]), along(state[2], h, k[2])
 
 
 def machine_slopes(machine, state, openings, push):
-    """Return the changes a second of both states and of the energies.
+    """Return the rates of change of both states and of the energies, for `machine_tick`.
 
-    `machine`, `state`, `openings` and `push` are as in `machine_tick`.
+    The arguments `machine`, `state`, `openings` and `push` are its own.
     """
     of_theta, of_phi, _ = state
     theta, v, a, b, x = of_theta
@@ -166,13 +166,16 @@ def machine_slopes(machine, state, openings, push):
     rise = theta_lever * v
     turn = phi_lever * w
     speed = math.sqrt(rise * rise + turn * turn)
+    # The front's force is along the motion, like the damper's, and so joins it per speed.
     pressed = theta_front * v + phi_front * w
     if pressed > 0 and speed > 0:
         damper += pressed / speed
+    # The force is damper times speed; along the motion its lever is lever^2 times rate over speed.
     theta_pushed = theta_torque + damper * (theta_lever * rise + speed * theta_across)
     phi_pushed = phi_torque + damper * (phi_lever * turn + speed * phi_across)
     lift -= theta_rubbed + theta_pushed
     swing -= phi_rubbed + phi_pushed
+    # A shared arm has an inertia that depends on phi; else each axis has its own load and inertia.
     if machine.shared:
         theta_weight, phi_weight = weights(machine.arm, theta, phi)
         coriolis, centrifugal = couplings(machine.arm, phi, v, w)
@@ -198,12 +201,12 @@ def machine_slopes(machine, state, openings, push):
 
 
 def powers(axis, first, second, spool):
-    """Return what the pump gives less what the tank gets, and what valves and leaks take, in W.
+    """Return the power of the pump less that to the tank, and the loss in valves and leaks, in W.
 
     `first` and `second` are the pressures of the plus and the minus side of an `axis`, in Pa, at a
     position of its `spool`.
     """
-    # Each land and each leak takes its flow times the pressure that it loses.
+    # Each land and each leak loses its flow times the pressure drop across it.
     inflow, outflow = flows(axis, first, second, spool)
     past = axis.piston_leak * (first - second)
     leak = axis.valve_leak
@@ -213,6 +216,7 @@ def powers(axis, first, second, spool):
     minus_land = outflow + past - leak * (2 * second - ps - pt)
     leaks = leak * (2 * ps - first - second)
     returns = leak * (first + second - 2 * pt)
+    # An open spool joins one side to the supply and the other one to the tank.
     if spool > 0:
         drawn = plus_land
         back = minus_land
@@ -222,6 +226,7 @@ def powers(axis, first, second, spool):
         back = -plus_land
         lost = plus_land * (pt - first) + minus_land * (second - ps)
     lost += past * (first - second)
+    # Each side has a closed land to the supply and one to the tank.
     squares = (ps - first) * (ps - first) + (ps - second) * (ps - second)
     squares += (first - pt) * (first - pt) + (second - pt) * (second - pt)
     lost += leak * squares

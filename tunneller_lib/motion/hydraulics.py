@@ -1,6 +1,6 @@
 """Hydraulic axes: sizes, steady motion and its inverse, natural frequency.
 
-All sizes are the study's assumptions: the document names the parts and gives no size.
+All sizes are the study's assumptions: the paper names the parts and gives no sizes.
 """
 
 import math
@@ -20,19 +20,19 @@ STROKE_MARGIN = np.radians(2)  # between a joint's limit and the end of the cyli
 
 
 def sides_at(axis, angle):
-    """Return (D, rho, load), as of `Hydraulics.sides`, of positive and of negative motion."""
+    """Return (D, rho, load) of positive and of negative motion; see `Hydraulics.sides`."""
     plus, minus, _, _ = chambers(axis.cylinders, angle)
     load = load_at(axis, angle)
     return (plus, minus / plus, load), (minus, plus / minus, -load)
 
 
 def load_at(axis, angle):
-    """Return the torque of the weight that resists positive motion, in N m, at an angle in rad."""
+    """Return the torque by which the weight resists positive motion at an angle in rad, in N m."""
     return -axis.gravity * cosine(angle)
 
 
 def speed(axis, opened, D, rho, load):
-    """Return the steady speed, in rad/s, at which lands and friction use up the pressure.
+    """Return the steady speed at which lands and friction use up the pressure, in rad/s.
 
     The valve of the `axis` is open by the share `opened`, from 0 to 1; D, rho and load are one of
     its `sides_at`.
@@ -46,40 +46,41 @@ def speed(axis, opened, D, rho, load):
 
 
 def spool_at(axis, rate, position):
-    """Return the spool position of a steady `rate`, in rad/s, as of `Hydraulics.command`.
+    """Return the spool position of a steady `rate` of an `axis`, in rad/s; see `command`.
 
-    The `position` may lie a little outside the stroke, where an encoder rounds it so.
+    The `position` may lie a little outside the stroke, to which an encoder may round it.
     """
     if rate == 0:
         return 0.0
     forward, backward = sides_at(axis, position)
     D, rho, load = forward if rate > 0 else backward
     left = drive_of(axis, D, rho, load) - axis.damping * abs(rate) / D
-    if left <= 0:
+    if left <= 0:  # no opening suffices, and the loop takes the widest
         return math.copysign(math.inf, rate)
+    # Drops go with the flows' squares: rho^2 at the emptied side, which acts on rho of the area.
     return rate * D / axis.flow * root((1 + rho * rho * rho) / left)
 
 
 def drive_of(axis, D, rho, load):
-    """Return the pressure left for lands and friction of an `axis`, in Pa, by D, rho and load."""
+    """Return the pressure of an `axis` that D, rho and load leave for lands and friction, in Pa."""
     return axis.supply - rho * axis.tank - load / D
 
 
 @dataclass(frozen=True)
 @checked
 class Hydraulics:
-    """The sizes of one axis: servo-valve, cylinders with their linkage, load.
+    """The sizes of one axis: servo-valve, cylinders with their linkage, and load.
 
     Parameters
     ----------
     linkage : Linkage
-        The cylinders and how they turn the joint.
+        The cylinders and the levers by which they turn the joint.
     low, high : float
         Joint angles at the ends of the stroke, in rad.
     inertia : float
         Moment of inertia about the joint, in kg m^2.
     gravity : float
-        Torque of the weight at angle 0, where the arm is level, towards positive angles, in N m.
+        Torque of the weight towards positive angles at angle 0, where the arm is level, in N m.
     damping : float
         Viscous friction of the joint, in N m s/rad.
     supply, tank : float
@@ -87,17 +88,18 @@ class Hydraulics:
     bulk : float
         Bulk modulus of the oil with its hoses, in Pa.
     hose : float
-        Oil volume between valve and piston on either side, in m^3.
+        Volume of oil between valve and piston on each side, in m^3.
     flow : float
-        Flow through the open valve over the root of the pressure lost at a land, in m^3/s/Pa^0.5.
+        Flow through the open valve divided by the root of the pressure drop at a land, in
+        m^3/s/Pa^0.5.
     valve_lag : float
         Time constant of the spool, in s.
     friction : float
         Dry friction of joint and seals, in N m.
     piston_leak : float
-        Flow past the piston over the pressure across it, in m^3/s/Pa.
+        Flow past the piston per pressure across it, in m^3/s/Pa.
     valve_leak : float
-        The same for each closed land, of which each side has two: from the supply, to the tank.
+        The same for each closed land; each side has two, from the supply and to the tank.
 
     Raises
     ------
@@ -129,7 +131,7 @@ class Hydraulics:
             )
         self.linkage.check(self.low, self.high)
         angle = np.linspace(self.low, self.high, 181)
-        # A rod as thick as its bore leaves a side without area: NaN or -inf, which fails, too.
+        # A rod as thick as its bore leaves a side without area: NaN or -inf, which fails as well.
         with np.errstate(all="ignore"):
             drives = [drive_of(self, *side) for side in sides_at(self.numbers, angle)]
         if not np.min(drives) > 0:
@@ -145,16 +147,16 @@ class Hydraulics:
 
     @checked
     def load(self, angle: JointAngles):
-        """Return the torque of the weight that resists positive motion, in N m, at joint angles."""
+        """Return the torque by which the weight resists positive motion at joint angles, in N m."""
         return load_at(self, angle)
 
     @checked
     def rate(self, angle: Angles, spool: Reals):
-        """Return the steady rates, in rad/s, at joint angles and spool positions from -1 to 1.
+        """Return the steady rates at joint angles and spool positions from -1 to 1, in rad/s.
 
-        theta' = (c x / D_A) sqrt((ps - rho pT - load / D_A) / (1 + rho^3)) without friction, with
-        rho = D_B / D_A and the displacements D_A of the filled, D_B of the emptied side; c is the
-        `flow`, x the spool position. The other direction is the mirror image.
+        Without friction theta' = (c x / D_A) sqrt((ps - rho pT - load / D_A) / (1 + rho^3)), where
+        D_A and D_B are the displacements of the filled and of the emptied side, rho = D_B / D_A,
+        c is the `flow` and x the spool position. The other direction is the mirror image.
 
         Raises
         ------
@@ -171,7 +173,7 @@ class Hydraulics:
 
     @checked
     def loaded(self, angle: Angles, rate: Reals, torque: Reals, opened: Quantity):
-        """Return the factor by which a loaded joint may go faster with an open valve.
+        """Return the factor by which a loaded joint may turn faster at a given valve opening.
 
         Parameters
         ----------
@@ -180,16 +182,16 @@ class Hydraulics:
         rate : (...) float
             Rates of the joint, in rad/s, at the factor 1.
         torque : (...) float
-            Torques, besides weight and friction, that resist positive motion at the factor 1, in
+            Torques besides weight and friction that resist positive motion at the factor 1, in
             N m. They grow with the factor, as a cutting force does with the feed.
         opened : float
-            By which share the valve is open, at most 1.
+            Opening of the valve, at most 1.
 
         Returns
         -------
         factor : (...) float
-            The greatest at which the pressure suffices for lands, friction and torque, and no side
-            must hold more than the supply; infinite where nothing limits it.
+            The greatest factor at which the pressure suffices for lands, friction and torque, and
+            no side needs more than the supply; infinite where nothing limits it.
 
         Raises
         ------
@@ -203,8 +205,9 @@ class Hydraulics:
         for sign, (D, rho, load) in zip((1, -1), sides_at(self.numbers, angle), strict=True):
             drive = drive_of(self, D, rho, load)
             forward = np.maximum(sign * rate, 0.0)
-            # The factor x solves lands x^2 + pull x = drive. Where the joint goes the other way, or
-            # stands, lands is 0, but the oil still has to hold the torque.
+            # The factor x solves lands x^2 + pull x = drive; the root is written without the
+            # cancellation of its usual form. For a joint that stands or goes the other way lands
+            # is 0, but the oil still has to hold the torque.
             lands = (forward * D / (self.flow * opened)) ** 2 * (1 + rho**3)
             pull = (self.damping * forward + sign * torque) / D
             with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -214,19 +217,19 @@ class Hydraulics:
 
     @checked
     def command(self, rate: Finite, position: Angle):
-        """Return the spool position that gives a steady rate, in rad/s, at a joint angle, in rad.
+        """Return the spool position that gives a steady rate in rad/s at a joint angle in rad.
 
-        It is the static inverse of valve and linkage, and infinite where no opening of the valve
-        gives the rate: a loop then opens it to its limit. The `position` must be within the stroke.
+        This is the static inverse of valve and linkage. It is infinite if no opening of the valve
+        gives the rate. The `position` must lie within the stroke.
         """
         check_stroke(position, self.low, self.high, "position")
         return spool_at(self.numbers, rate, position)
 
     @checked
     def natural_frequency(self, angle: JointAngles):
-        """Return the frequency of arm and oil with the valve shut, in rad/s, at joint angles.
+        """Return the natural frequency of arm and oil with the valve shut, in rad/s.
 
-        Angles outside the stroke raise ValueError.
+        Joint angles outside the stroke raise ValueError.
         """
         plus, minus, first, second = self._oil(angle)
         springs = plus**2 / first + minus**2 / second
@@ -242,33 +245,34 @@ class Hydraulics:
 
     @checked
     def swing(self, angle: JointAngles):
-        """Return the gain of small swings about rest over that of steady motion, at joint angles.
+        """Return the gain of small swings about rest over that of steady motion at joint angles.
 
-        It is (D_A / V_A + D_B / V_B) sqrt(D_A^2 - D_A D_B + D_B^2) / (D_A^2 / V_A + D_B^2 / V_B):
-        swings leave the pressures where both lands lose the same, steady motion shifts them. It is
-        1 for equal areas, whatever the weight. Angles outside the stroke raise ValueError.
+        It is (D_A / V_A + D_B / V_B) sqrt(D_A^2 - D_A D_B + D_B^2) / (D_A^2 / V_A + D_B^2 / V_B),
+        since in swings both lands keep losing the same pressure, while steady motion shifts the
+        pressures. It is 1 for equal areas. Angles outside the stroke raise ValueError.
         """
         plus, minus, first, second = self._oil(angle)
         mean = (plus**2 - plus * minus + minus**2) ** 0.5
         return mean * (plus / first + minus / second) / (plus**2 / first + minus**2 / second)
 
     def _oil(self, angle):
-        """Return displacements, in m^3/rad, and volumes with hoses, in m^3, of both sides."""
+        """Return both sides' displacements in m^3/rad and volumes with hoses in m^3."""
         check_stroke(angle, self.low, self.high)
         plus, minus, first, second = chambers(self.numbers.cylinders, angle)
         return plus, minus, first + self.hose, second + self.hose
 
     @checked
     def sides(self, angle: JointAngles):
-        """Return (D, rho, load) of positive and of negative motion at joint angles, in rad.
+        """Return (D, rho, load) of positive and of negative motion at joint angles in rad.
 
-        D is the oil that the filled side takes, in m^3/rad, rho what the emptied side gives over
-        D, and load the torque that resists, in N m. Angles outside the stroke raise ValueError.
+        D is the displacement of the filled side in m^3/rad, rho that of the emptied side divided
+        by D, and load the resisting torque of the weight in N m. Angles outside the stroke raise
+        ValueError.
         """
         check_stroke(angle, self.low, self.high)
         return sides_at(self.numbers, angle)
 
 
-# A `Hydraulics` as plain numbers, for functions that a simulation calls many times a tick. They
+# A `Hydraulics` as plain numbers, for functions that a simulation calls many times a tick. These
 # check nothing, and take angles and rates as floats or arrays.
 Axis = namedtuple("Axis", ["cylinders", *(field.name for field in fields(Hydraulics)[1:])])

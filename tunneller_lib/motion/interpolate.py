@@ -1,6 +1,6 @@
 """Straight lines in time, in whole numbers: Bresenham's line whose major axis is the tick.
 
-A set-value is a number of encoder counts. Any number of axes share one clock.
+A set-value is a number of encoder counts; all axes share one clock.
 """
 
 import math
@@ -12,7 +12,7 @@ from ..arguments import Array, Duration, Whole, Wholes, checked, whole
 
 LOW, HIGH = -(2**31), 2**31 - 1  # what a controller's 32-bit integer holds
 TIES = {"up": 0, "down": 1}
-MOST_SCALE = 2**30  # ticks of a segment times parts of a count
+MOST_SCALE = 2**30  # greatest product of a segment's ticks and the parts of a count
 MOST_SETVALUES = 2**25  # in one array, which then takes 256 MiB
 
 Tie = Literal["up", "down"]
@@ -25,17 +25,17 @@ SegmentTicks = Wholes("(k,) int", 1, HIGH)
 
 @checked
 def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie = "up"):
-    """Return the set-values of straight moves, one a tick.
+    """Return the set-values of straight moves, one for each tick.
 
     Parameters
     ----------
     start, stop : (...) int
-        Where the moves begin and end, in counts; they broadcast. Both and their differences must
-        be 32-bit integers.
+        Ends of the moves, in counts; they broadcast. They and their differences must be 32-bit
+        integers.
     ticks : int
         Number of ticks that each move takes, at least 1.
     tie : {"up", "down"}
-        To which count half a count is rounded.
+        The direction in which half a count is rounded.
 
     Returns
     -------
@@ -49,11 +49,10 @@ def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie =
 
     Notes
     -----
-    Tunnelling robot, section 4.3, whose listing computes this line with ties down in floating
-    point. The closed form (n D + N start + N // 2) // N, with the difference D and N ticks, is the
-    exact line rounded to the nearest count: its error is at most half a count, its end is exact,
-    and a reversed move meets the same points. The exported block computes the same without a
-    product or a quotient.
+    Tunnelling robot, section 4.3, whose listing computes this line in floating point, with ties
+    down. The closed form (n D + N start + N // 2) // N, with the difference D and N ticks, is the
+    exact line rounded to the nearest count: its error is at most half a count, and its end is
+    exact. The exported block computes the same numbers without a product or a quotient.
 
     Examples
     --------
@@ -64,8 +63,8 @@ def time_bresenham(start: Ends, stop: Ends, ticks: Whole(1, HIGH), *, tie: Tie =
     """
     difference = _difference("stop - start", start, stop)
     _limit_setvalues(difference.size, ticks)
-    # N times the line, at most 2^31 N < 2^62, fits 64 bits. It is computed in place: memory is
-    # what takes the time.
+    # N times the line, at most 2^31 N < 2^62, fits 64 bits. It is computed in place, since memory
+    # takes most of the time.
     values = np.arange(ticks + 1, dtype=np.int64) * difference[..., None]
     values += (ticks * start + _first(ticks, tie))[..., None]
     values //= ticks
@@ -79,20 +78,20 @@ def tick_counts(times: Times, tick: Duration):
     Parameters
     ----------
     times : (k + 1,) float
-        When each knot is due, in s, ascending.
+        The time at which each knot is due, in s, ascending.
     tick : float
         The controller's period, in s.
 
     Returns
     -------
     ticks : (k,) int64
-        Differences of rounded times, not rounded differences: however long the polyline, no knot
-        is late or early by more than half a tick.
+        Differences of the rounded times, so that no knot is late or early by more than half a
+        tick, however long the polyline is.
 
     Raises
     ------
     ValueError
-        If the times aren't such a list, or two knots fall on the same tick.
+        If there are fewer than two times, or two knots fall on the same tick.
 
     Examples
     --------
@@ -127,19 +126,19 @@ def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts
     tie : {"up", "down"}
         As for `time_bresenham`.
     parts : int
-        Into how many parts the knots divide a count, so that lines may begin and end between
-        counts: at most 65536, and at most 2^30 times a segment's ticks if above 1.
+        Number of parts of a count in which the knots are given, so that lines may begin and end
+        between counts: at most 65536, and, above 1, at most 2^30 times a segment's ticks.
 
     Returns
     -------
     setvalues : (ticks + 1, n) int64
-        In whole counts: the exact lines rounded to the nearest count. If `parts` is 1 every knot
-        is met exactly, on its tick.
+        The exact lines rounded to the nearest count. With `parts` 1 every knot is met exactly, on
+        its tick.
 
     Raises
     ------
     ValueError
-        As of `time_bresenham`, or if the numbers of knots and segments don't fit.
+        As by `time_bresenham`, or if the numbers of knots and segments don't fit.
 
     Examples
     --------
@@ -161,7 +160,7 @@ def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts
 def polyline_slopes(knots: Knots, ticks: SegmentTicks, *, parts: Parts = 1):
     """Return the exact slopes D/N of a `polyline`.
 
-    Velocity feed-forward needs them: differences of the set-values jump by a whole count.
+    Velocity feed-forward needs them, since differences of set-values jump by a whole count.
 
     Parameters
     ----------
@@ -171,7 +170,7 @@ def polyline_slopes(knots: Knots, ticks: SegmentTicks, *, parts: Parts = 1):
     Returns
     -------
     slopes : (ticks, n) float
-        In counts a tick.
+        In counts per tick.
     """
     _check_segments(knots, ticks)
     scale = _scale(ticks, parts)
@@ -182,10 +181,10 @@ def polyline_slopes(knots: Knots, ticks: SegmentTicks, *, parts: Parts = 1):
 def rounding_spectrum(difference: Whole(LOW, HIGH), ticks: Whole(1, MOST_SETVALUES)):
     """Return the amplitudes (ticks // 2 + 1,) of the rounding error's harmonics, in counts.
 
-    For a move of r counts in N ticks without a common factor the harmonic k of the discrete Fourier
-    transform over its ticks has the amplitude 1 / (2 N sin(pi s / N)) with s r = k modulo N. For
-    the errors are those of a sawtooth in another order, and to multiply the ticks by r only
-    permutes the harmonics. The mean, which ties alone make, is 0 or 1/(2 N).
+    For a move of r counts in N ticks without a common factor, harmonic k of the discrete Fourier
+    transform over the ticks has the amplitude 1 / (2 N sin(pi s / N)) with s r = k modulo N: the
+    errors are those of a sawtooth in another order, and multiplying the ticks by r only permutes
+    the harmonics. The mean, which only a tie leaves, is 1/(2 N) for even N and else 0.
     """
     if math.gcd(difference, ticks) != 1:
         raise ValueError(
@@ -199,7 +198,7 @@ def rounding_spectrum(difference: Whole(LOW, HIGH), ticks: Whole(1, MOST_SETVALU
 
 
 def _difference(name, start, stop):
-    """Return stop - start, which must be of 32 bits, too."""
+    """Return stop - start, which must fit 32 bits as well."""
     return whole(name, stop - start, LOW, HIGH)
 
 
@@ -218,7 +217,7 @@ def _first(ticks, tie):
 
 
 def _scale(ticks, parts):
-    """Return ticks times parts, of which a controller's accumulator holds up to 1.5 times."""
+    """Return ticks times parts; a controller's 32-bit accumulator reaches 1.5 times that."""
     scale = ticks * parts
     if parts > 1 and np.any(scale > MOST_SCALE):
         raise ValueError(
@@ -229,7 +228,7 @@ def _scale(ticks, parts):
 
 
 def _check_segments(knots, ticks):
-    """Raise ValueError if knots and ticks don't fit, or a move is too far or too long."""
+    """Raise ValueError if knots and ticks don't fit, or a move is too long."""
     if len(knots) != len(ticks) + 1 or not len(ticks):
         raise ValueError(
             "knots: must be an array (k + 1, n) for ticks (k,) of k >= 1 segments; "

@@ -11,12 +11,12 @@ MOST_DELAY = 100  # ticks; each is a row of the loop's matrix
 @dataclass(frozen=True)
 @checked
 class Loop:
-    """A sampled position loop of the wanted rate Kv e + Ki (integral of e), e the following error.
+    """A sampled position loop: the wanted rate is Kv e + Ki (integral of e), e the following error.
 
     Parameters
     ----------
     gain : float
-        Kv in 1/s. The document's controller gain is Kv / K, with the plant's gain K.
+        Kv in 1/s. The paper's controller gain is Kv / K, with the plant's gain K.
     tick : float
         Sampling period, in s.
     integral : float

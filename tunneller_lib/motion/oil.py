@@ -1,4 +1,4 @@
-"""Hydraulic axes in time: with rigid oil (T2) and with compressible oil (T3)."""
+"""Hydraulic axes in time, with rigid oil (T2) and with compressible oil (T3)."""
 
 import math
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ from .hydraulics import Axis, Hydraulics, load_at, sides_at, speed, spool_at
 from .plant import Lag, Plant, ValveResonance
 from .quantities import Tick, Torque
 
-SLIP = 2e-3  # rad/s, over which dry friction passes from one direction to the other
-LAMINAR = 1e5  # Pa, below which the flow through a land is nearly proportional to the pressure
-PHASE = 0.2  # rad of the fastest resonance: the longest step of the integration
+SLIP = 2e-3  # rad/s, the scale of rates on which dry friction changes its direction
+LAMINAR = 1e5  # Pa, below which a land's flow is nearly proportional to its pressure drop
+PHASE = 0.2  # rad of the fastest resonance, the longest step of the integration
 STEP = 2e-3  # s, the longest step with rigid oil
 MOST_STEPS = 1000  # in a tick
 
 
 class _Oily(Plant):
-    """What the plants with cylinders share: their `axis`."""
+    """A plant with cylinders, the sizes of which are its `axis`."""
 
     @property
     def hydraulics(self):
@@ -31,14 +31,14 @@ class _Oily(Plant):
 
     @checked
     def command(self, rate: Finite, position: Angle):
-        """Return the spool position of a steady rate, in rad/s, at a position, in rad."""
+        """Return the spool position of a steady rate in rad/s at a position in rad."""
         return self.axis.command(rate, position)
 
 
 @dataclass(frozen=True)
 @checked
 class Rigid(_Oily):
-    """T2: an axis with incompressible oil; its state is the angle and the spool's position.
+    """T2: an axis with incompressible oil; its state is the angle and the spool position.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Rigid(_Oily):
         return OilTicks(axis.low, axis.high, axis, parts, tick / parts, fall)
 
     def functions(self):
-        """Return the functions that run the plant."""
+        """Return the functions that run the plant, by their names in `ticks`."""
         return {"ticked": rigid_tick, "commanding": opening_at}
 
 
@@ -84,11 +84,11 @@ class Compressible(_Oily):
 
     Notes
     -----
-    The flow through a land goes with the root of the pressure that it loses, and becomes linear
-    below 1 bar. Where both lands lose at least p, and nothing leaks or rubs, steady rates differ
-    from those of `Rigid` by at most (1 bar / p)^2 / 4 of themselves. Leaks are laminar. A pressure
-    doesn't fall below zero; the void that the oil leaves there isn't remembered. The axes don't
-    act on each other unless `follow` is given their `Arm`.
+    The flow through a land goes with the root of its pressure drop, and becomes linear below 1
+    bar. Where both lands drop at least p, and without leaks and dry friction, steady rates differ
+    from those of `Rigid` by at most the share (1 bar / p)^2 / 4. Leaks are laminar. A pressure
+    doesn't fall below zero; the void that then forms isn't modelled. The axes act on each other
+    only if `follow` is given their `Arm`.
     """
 
     axis: Hydraulics
@@ -97,8 +97,8 @@ class Compressible(_Oily):
     def linear(self, angle: Angle):
         """Return the linear plant of small swings about rest at a joint angle, in rad.
 
-        A valve that is hardly open lets no oil escape from a swinging load, and the further it
-        opens the more it damps. So of all motions those about rest grow first.
+        A valve that is hardly open lets no oil escape from a swinging load, and damps more the
+        further it opens. So motions about rest become unstable first.
         """
         small = self.axis.resonance(angle)
         return ValveResonance(
@@ -111,9 +111,9 @@ class Compressible(_Oily):
 
     @checked
     def rest(self, position: Angle, load: Torque | None = None):
-        """Return the state at rest at a position, in rad: pressures that sum to the supply.
+        """Return the state at rest at a position in rad, with pressures that sum to the supply.
 
-        They hold a `load` in N m that resists positive motion, by default the axis' own.
+        They hold a `load` in N m that resists positive motion, by default the axis' own weight.
         """
         axis = self.axis
         check_stroke(position, axis.low, axis.high, "position")
@@ -130,12 +130,12 @@ class Compressible(_Oily):
         return OilTicks(axis.low, axis.high, axis, parts, tick / parts)
 
     def functions(self):
-        """Return the functions that run the plant."""
+        """Return the functions that run the plant, by their names in `ticks`."""
         return {"ticked": compressible_tick, "commanding": opening_at}
 
 
 class OilTicks(NamedTuple):
-    """An axis with oil, its stroke, and the steps in which a tick is integrated.
+    """An axis with oil as numbers: its stroke, and the steps in which a tick is integrated.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class OilTicks(NamedTuple):
 
 
 def rigid_tick(plant, state, u):
-    """Return the state (angle, spool) of a `plant` with rigid oil a tick later, under a command u.
+    """Return the state (angle, spool) of a `plant` with rigid oil after a tick under a command u.
 
     The integration ends where the axis leaves its stroke.
     """
@@ -168,7 +168,7 @@ def rigid_tick(plant, state, u):
     h = plant.h
     angle, spool = state
     for _ in range(plant.parts):
-        # The spool follows u exponentially, exactly; the angle by Runge and Kutta's method.
+        # The spool's exponential is exact; the angle goes by the classical Runge-Kutta method.
         middle = u + (spool - u) * plant.fall
         last = u + (middle - u) * plant.fall
         k1 = rigid_rate(axis, angle, spool)
@@ -191,9 +191,9 @@ def rigid_rate(axis, angle, spool):
 
 
 def compressible_tick(plant, state, u):
-    """Return the state (5,) of a `plant` with compressible oil a tick later, under a command u.
+    """Return the state (5,) of a `plant` with compressible oil after a tick under a command u.
 
-    The integration, by Runge and Kutta's method, ends where the axis leaves its stroke.
+    The classical Runge-Kutta integration ends where the axis leaves its stroke.
     """
     axis = plant.axis
     h = plant.h
@@ -209,14 +209,14 @@ def compressible_tick(plant, state, u):
 
 
 def compressible_slopes(axis, state, u):
-    """Return the changes (5,) a second of the state of an `axis` under a command u."""
+    """Return the rates of change (5,) of the state of an `axis` under a command u."""
     driven, filling, emptying, opening, _ = oil_changes(axis, state, u)
     torque = driven - load_at(axis, state[0]) - resistance(axis, state[1])
     return state[1], torque / axis.inertia, filling, emptying, opening
 
 
 def along(state, h, k):
-    """Return the state (5,) + h k, a time h, in s, later at the changes k (5,) a second."""
+    """Return the state (5,) + h k after a time h in s at the rates of change k (5,)."""
     return (
         state[0] + h * k[0],
         state[1] + h * k[1],
@@ -227,10 +227,7 @@ def along(state, h, k):
 
 
 def mean_step(state, h, k1, k2, k3, k4):
-    """Return the state (5,) after a step h, in s, from the four changes a second, each (5,).
-
-    state + h/6 (k1 + 2 k2 + 2 k3 + k4), Runge and Kutta's method.
-    """
+    """Return state + h/6 (k1 + 2 k2 + 2 k3 + k4), each (5,), after a Runge-Kutta step h in s."""
     return (
         state[0] + h / 6 * (k1[0] + 2 * (k2[0] + k3[0]) + k4[0]),
         state[1] + h / 6 * (k1[1] + 2 * (k2[1] + k3[1]) + k4[1]),
@@ -247,17 +244,17 @@ def with_pressures(state):
 
 
 def oil_changes(axis, state, u):
-    """Return what the chambers and the spool of an `axis` do under a command u.
+    """Return the torque of the oil of an `axis`, rates of change under a command u, and a power.
 
-    That is the torque of both pressures, in N m; the changes of both, in Pa/s, and of the spool, in
-    1/s; and the power that compresses the oil, in W.
+    The torque is in N m; the rates are those of both pressures, in Pa/s, and of the spool, in 1/s;
+    the power, in W, compresses the oil.
     """
     angle, rate, first, second, spool = state
     plus, minus, plus_volume, minus_volume = chambers(axis.cylinders, angle)
     inflow, outflow = flows(axis, first, second, spool)
     filling = inflow - plus * rate
     emptying = minus * rate - outflow
-    # Oil isn't pulled: at no pressure a chamber may fill, but not empty further.
+    # Oil bears no tension: a chamber at zero pressure may fill, but not empty further.
     if first <= 0:
         filling = max(filling, 0.0)
     if second <= 0:
@@ -272,12 +269,13 @@ def oil_changes(axis, state, u):
 
 
 def flows(axis, first, second, spool):
-    """Return the oil that flows into the plus side and out of the minus side, in m^3/s.
+    """Return the flows of oil into the plus side and out of the minus side, in m^3/s.
 
-    It flows through the lands that a `spool` opens, past the piston, and past the closed lands of
-    an `axis`; `first` and `second` are the pressures of the plus and the minus side, in Pa.
+    The oil passes the lands that a `spool` opens, the piston, and the closed lands of an `axis`;
+    `first` and `second` are the pressures of the plus and the minus side, in Pa.
     """
     opened = axis.flow * spool
+    # A land whose pressure drop is negative lets the oil flow backwards, by the sign of `land`.
     if spool > 0:
         inflow = opened * land(axis.supply - first)
         outflow = opened * land(second - axis.tank)
@@ -292,10 +290,10 @@ def flows(axis, first, second, spool):
 
 
 def land(lost):
-    """Return the signed root of the pressure lost at a land, linear where it is small.
+    """Return the signed root of the pressure drop `lost` at a land, linear where it is small.
 
-    lost / (lost^2 + LAMINAR^2)^(1/4): the root itself has an infinite slope at zero, which no
-    step of the integration would be short enough for.
+    The form lost / (lost^2 + LAMINAR^2)^(1/4) has a finite slope at zero; with that of the root
+    itself, which is infinite, no step of the integration would be short enough.
     """
     return lost / root(root(lost * lost + LAMINAR * LAMINAR))
 
@@ -307,19 +305,19 @@ def resistance(axis, rate):
 
 
 def opening_at(plant, rate, position):
-    """Return the spool position that gives a `plant` with oil a steady rate, in rad/s."""
+    """Return the spool position of a steady rate in rad/s of a `plant` with oil at a `position`."""
     return spool_at(plant.axis, rate, position)
 
 
 @lru_cache(64)
 def steps_of(axis):
-    """Return in how many steps a second an `axis` with compressible oil must be integrated."""
+    """Return the number of steps per second that an `axis` with compressible oil needs."""
     fastest = np.max(axis.natural_frequency(np.linspace(axis.low, axis.high, 181)))
     return max(fastest / PHASE, 1 / axis.valve_lag, axis.friction / (SLIP * axis.inertia))
 
 
 def parts_of(tick, steps):
-    """Return the number of `steps` of a `tick`, rounded up; too many raise ValueError."""
+    """Return the number of `steps` of a `tick` in s, rounded up; too many raise ValueError."""
     if steps > MOST_STEPS:
         raise ValueError(
             f"tick: must be at most {tick / steps * MOST_STEPS:.3g} s, which is {MOST_STEPS} steps "
@@ -329,8 +327,8 @@ def parts_of(tick, steps):
 
 
 def out_of_stroke(axis, angle):
-    """Return the error to raise where an `axis` left its stroke and got to an angle, in rad."""
+    """Return the error to raise for an `axis` that left its stroke and reached an angle in rad."""
     return ValueError(
         f"setvalues: an axis must stay within its stroke, {math.degrees(axis.low):.1f} to "
-        f"{math.degrees(axis.high):.1f} deg; it got to {math.degrees(angle):.1f} deg."
+        f"{math.degrees(axis.high):.1f} deg; got {math.degrees(angle):.1f} deg."
     )

@@ -1,7 +1,7 @@
-"""What every model of an axis answers, and the linear models, exact from tick to tick.
+"""The protocol of models of an axis, and the linear models, exact from tick to tick.
 
-A further model is one class of one file: a `LinearPlant` gives its ``matrices``, ``discrete`` and
-``gain``, and inherits the rest.
+A further model is one class: a `LinearPlant` gives its ``matrices``, ``discrete`` and ``gain``, and
+inherits the rest.
 """
 
 import math
@@ -14,34 +14,34 @@ import numpy as np
 from ..arguments import Angle, Finite, checked
 from .quantities import Frequencies, Quantity, Tick
 
-# Coefficients of Pade's quotient for the exponential, of degree 13 above and below. Up to this norm
-# of the matrix it is right to rounding (Higham, SIAM J. Matrix Anal. Appl. 26, 2005).
+# Coefficients of the diagonal Pade quotient of the exponential of degree 13, which is right to
+# rounding up to this norm of the matrix (Higham, SIAM J. Matrix Anal. Appl. 26, 2005).
 PADE = [math.comb(13, j) * math.factorial(26 - j) / math.factorial(26) for j in range(14)]
 PADE_REACH = 5.37
 
 
 class NoLinearForm(ValueError):
-    """Raised where a plant has no linear form, and so neither closed forms nor gain limits."""
+    """Raised by a plant without a linear form, which closed forms and gain limits need."""
 
 
 class Plant(ABC):
-    """An axis, from the valve's command to the joint angle; a further model is one subclass.
+    """An axis from the valve's command to the joint angle; a further model is one subclass.
 
     `follow` runs any subclass that has the four abstract methods. Closed forms and stability also
-    need the `linear` plant; the ground and the exported controller need the `hydraulics`.
+    need the `linear` plant, margins and the exported controller the `hydraulics`.
     """
 
     @abstractmethod
     def command(self, rate, position):
-        """Return the command that gives a steady rate, in rad/s, at a position, in rad."""
+        """Return the command of a steady rate in rad/s at a position in rad."""
 
     @abstractmethod
     def rest(self, position):
-        """Return the state at rest at a position, in rad, which is its first number."""
+        """Return the state at rest, whose first number is the position in rad."""
 
     @abstractmethod
     def numbers(self, tick):
-        """Return a named tuple of numbers that a `tick`, in s, needs; the stroke is low to high."""
+        """Return a named tuple of the numbers that a `tick` in s needs, with the stroke's ends."""
 
     @abstractmethod
     def functions(self):
@@ -49,13 +49,13 @@ class Plant(ABC):
 
     @checked
     def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state one tick, in s, later."""
+        """Return the function (state, command) -> state after a tick in s."""
         numbers = self.numbers(tick)
         ticked = self.functions()["ticked"]
         return lambda state, u: ticked(numbers, state, u)
 
     def linear(self, angle):
-        """Return the `LinearPlant` of small motions about a joint angle, in rad.
+        """Return the `LinearPlant` of small motions about a joint angle in rad.
 
         Raises
         ------
@@ -63,18 +63,18 @@ class Plant(ABC):
             If the plant has none.
         """
         raise NoLinearForm(
-            "plant: must have a linear form, for closed forms and for limits of the gain; "
+            "plant: must have a linear form, which closed forms and gain limits need; "
             f"got {type(self).__name__}, which has none."
         )
 
     @property
     def hydraulics(self):
-        """Return the sizes, a `Hydraulics`; None where a plant has no cylinders."""
+        """Return the sizes, a `Hydraulics`, or None for a plant without cylinders."""
         return None
 
 
 class LinearTicks(NamedTuple):
-    """A linear plant from tick to tick.
+    """A linear plant as numbers, from tick to tick.
 
     Parameters
     ----------
@@ -83,8 +83,8 @@ class LinearTicks(NamedTuple):
     steady : float
         Speed for the full command 1, in rad/s.
     rows : tuple
-        Row i holds the coefficients of the state and, last, of the command that give the number i
-        of the next state.
+        Row i holds the coefficients of the state and, last, of the command in number i of the next
+        state.
     """
 
     low: float
@@ -94,20 +94,20 @@ class LinearTicks(NamedTuple):
 
 
 def tick_of_one(plant, state, u):
-    """Return the state (1,) of a linear `plant` a tick under a command u later."""
+    """Return the state (1,) of a linear `plant` after a tick under a command u."""
     (a,) = plant.rows
     return (a[0] * state[0] + a[1] * u,)
 
 
 def tick_of_two(plant, state, u):
-    """Return the state (2,) of a linear `plant` a tick under a command u later."""
+    """Return the state (2,) of a linear `plant` after a tick under a command u."""
     a, b = plant.rows
     x, v = state
     return a[0] * x + a[1] * v + a[2] * u, b[0] * x + b[1] * v + b[2] * u
 
 
 def tick_of_three(plant, state, u):
-    """Return the state (3,) of a linear `plant` a tick under a command u later."""
+    """Return the state (3,) of a linear `plant` after a tick under a command u."""
     a, b, c = plant.rows
     x, v, w = state
     return (
@@ -118,7 +118,7 @@ def tick_of_three(plant, state, u):
 
 
 def tick_of_four(plant, state, u):
-    """Return the state (4,) of a linear `plant` a tick under a command u later."""
+    """Return the state (4,) of a linear `plant` after a tick under a command u."""
     a, b, c, d = plant.rows
     x, v, w, y = state
     return (
@@ -130,7 +130,7 @@ def tick_of_four(plant, state, u):
 
 
 def command_at(plant, rate, position):
-    """Return the command of a steady `rate`, in rad/s, of a linear `plant` at any position."""
+    """Return the command of a steady `rate` in rad/s of a linear `plant`, at any `position`."""
     return rate / plant.steady
 
 
@@ -138,7 +138,7 @@ TICKS = tick_of_one, tick_of_two, tick_of_three, tick_of_four
 
 
 class LinearPlant(Plant):
-    """A plant x' = A x + B u with a `gain`, in rad/s for the full command 1."""
+    """A plant x' = A x + B u whose `gain` is its speed for the full command 1, in rad/s."""
 
     @abstractmethod
     def matrices(self):
@@ -159,11 +159,11 @@ class LinearPlant(Plant):
 
     @property
     def lateness(self):
-        """Return the time by which the rate is late in slow motion, in s.
+        """Return the time by which the rate lags behind the command in slow motion, in s.
 
-        It is -G'(0)/G(0), the first moment of the answer, of the transfer function G from the
-        command to the rate. No rate depends on the angle, whose row and column are left out.
+        It is -G'(0)/G(0) for the transfer function G from the command to the rate.
         """
+        # No rate depends on the angle, whose row and column are left out.
         A, B = self.matrices()
         held = np.linalg.solve(A[1:, 1:], B[1:])
         steady = B[0] - A[0, 1:] @ held
@@ -171,7 +171,7 @@ class LinearPlant(Plant):
 
     @checked
     def command(self, rate: Finite, position: Angle | None = None):
-        """Return the command that gives a steady rate, in rad/s, at any position, in rad."""
+        """Return the command of a steady rate in rad/s, the same at every position in rad."""
         return rate / self._steady
 
     @property
@@ -180,7 +180,7 @@ class LinearPlant(Plant):
 
     @checked
     def numbers(self, tick: Tick):
-        """Return the `LinearTicks` of ticks, in s."""
+        """Return the `LinearTicks` of a tick in s."""
         Ad, Bd = self.discrete(tick)
         rows = tuple(map(tuple, np.column_stack([Ad, Bd]).tolist()))
         return LinearTicks(-math.inf, math.inf, self._steady, rows)
@@ -192,9 +192,9 @@ class LinearPlant(Plant):
 
     @checked
     def response(self, frequency: Frequencies):
-        """Return the complex angle over the command (...), in rad, at frequencies in rad/s.
+        """Return the complex angle per command (...), in rad, at frequencies in rad/s.
 
-        These are from 1e-50 to 1e50 rad/s, above zero, where each plant has a pole.
+        Zero, where every plant has a pole, isn't among them; they are from 1e-50 to 1e50 rad/s.
         """
         A, B = self.matrices()
         s = 1j * frequency[..., None, None]
@@ -205,7 +205,7 @@ class LinearPlant(Plant):
 @dataclass(frozen=True)
 @checked
 class Integrator(LinearPlant):
-    """T0: x' = K u, the first-order model of the document's position loop.
+    """T0: x' = K u, the first-order model of the paper's position loop.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ class Lag(LinearPlant):
 @dataclass(frozen=True)
 @checked
 class Resonance(LinearPlant):
-    """K w^2 / (s (s^2 + 2 zeta w s + w^2)): a load on the oil's spring, in small motions.
+    """K w^2 / (s (s^2 + 2 zeta w s + w^2)): small motions of a load on the oil's spring.
 
     Parameters
     ----------
@@ -317,7 +317,7 @@ class Resonance(LinearPlant):
 @dataclass(frozen=True)
 @checked
 class ValveResonance(LinearPlant):
-    """K w^2 / (s (lag s + 1) (s^2 + 2 zeta w s + w^2)): a resonance behind a valve with a lag.
+    """K w^2 / (s (lag s + 1) (s^2 + 2 zeta w s + w^2)): a resonance behind a lagging valve.
 
     Parameters
     ----------
@@ -365,17 +365,17 @@ class ValveResonance(LinearPlant):
 
 
 def _held(A, B, units, tick):
-    """Return Ad and Bd of a command held for a tick, for states of the sizes `units`.
+    """Return Ad and Bd of a command held for a tick; `units` are typical sizes of the states.
 
     exp([[A, B], [0, 0]] T) = [[Ad, Bd], [0, 1]].
     """
     order = len(B)
     block = np.zeros((order + 1, order + 1))
-    # In units of their own all states are alike in size; else small entries lose their digits.
+    # In these units all states are of similar size; otherwise small entries would lose digits.
     block[:order, :order] = A / units[:, None] * units
     block[:order, order] = B / units
-    # The command gets a unit, too: a high gain would raise the norm, and so the number of
-    # halvings, each of which doubles the rounding errors of all entries.
+    # The command gets a unit as well: a high gain would raise the norm, and so the number of
+    # squarings, each of which doubles the rounding errors of all entries.
     own = np.abs(block[:, :order]).sum(axis=0).max()
     driven = np.abs(block[:, order]).sum()
     command = math.ldexp(1.0, min(math.frexp(own / driven)[1], 0))
@@ -385,10 +385,10 @@ def _held(A, B, units, tick):
 
 
 def _exponential(matrix):
-    """Return the exponential of a small matrix, by halving, Pade's quotient and squaring.
+    """Return the exponential of a small matrix by scaling, a Pade quotient and squaring.
 
     scipy's `expm` does the same, but takes a third of a second to load, and up to ten milliseconds
-    for five rows where its threads wait for busy cores.
+    for five rows if its threads wait for busy cores.
     """
     norm = np.abs(matrix).sum(axis=0).max()
     halvings = max(math.frexp(norm / PADE_REACH)[1], 0)
@@ -408,10 +408,9 @@ def _exponential(matrix):
 
 
 def _beyond(x):
-    """Return x - 1 + exp(-x) of x > 0, below 1/2 by its series x^2/2 - x^3/6 + ..
-
-    There the difference cancels: of x = 1e-8 it would keep no digit.
-    """
+    """Return x - 1 + exp(-x) for x > 0."""
+    # Below 1/2 by the series x^2/2 - x^3/6 + .., since the difference cancels: at x = 1e-8 it would
+    # keep no digit.
     if x > 0.5:
         return x + np.expm1(-x)
     term = total = x * x / 2

@@ -1,7 +1,7 @@
 """Annotations for the sizes, gains and times of axes and loops.
 
-The ranges are far wider than any machine's. Within them neither a product of a few quantities nor
-a power of a loop's matrix overflows.
+The ranges are far wider than any machine needs. Within them neither a product of a few quantities
+nor a power of a loop's matrix overflows.
 """
 
 from typing import Annotated
@@ -12,7 +12,7 @@ LEAST, MOST = 1e-9, 1e9  # of gains, frequencies, damping ratios and times
 
 
 def Pair(kind):
-    """Return the annotation of a pair of instances of a class, theta's and phi's.
+    """Return the annotation of a pair of instances of a class, for theta and phi.
 
     A single instance stands for both.
     """

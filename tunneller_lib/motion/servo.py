@@ -22,25 +22,25 @@ Slopes = Array("(ticks,) or (ticks, n) float", "rad/s", low=-1e15, high=1e15)
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """A simulated run of one axis, or of n axes, whose arrays then end with an axis of n.
+    """A simulated run of one axis, or of n axes, whose arrays then have a last axis of n.
 
     Parameters
     ----------
     tick : float
         Period of the loops, in s.
     setvalue, position : (ticks + 1, ...) float
-        Wanted and reached, in rad, at the beginning and after each tick.
+        Wanted and reached positions, in rad, at the beginning and after each tick.
     command : (ticks, ...) float
-        Opening of the valve asked for during each tick, at most the loop's `limit` in size.
+        Valve opening that the loop asks for in each tick, at most its `limit` in size.
     saturated : (ticks, ...) bool
         Whether the command was limited.
     states : tuple of (ticks + 1, order) float
         All states of each axis' plant, its position first.
     stable : tuple of bool or None
-        For each axis, whether small motions are stable all over the range of its set-values; None
-        where the plant has no linear form, or a caller's own `inverse` was used.
+        Whether small motions of each axis are stable over the range of its set-values; None for a
+        plant without a linear form, or with a caller's own `inverse`.
     energies : (ticks + 1, 5) float or None
-        What the pump gave and where it went, `both_joints.ENERGIES`, in J; None where the axes
+        The energy from the pump and where it went, `both_joints.ENERGIES`, in J; None if the axes
         don't act on each other.
     """
 
@@ -60,7 +60,7 @@ class Track:
 
     @property
     def error(self):
-        """Return the following error, set-value less position, in rad."""
+        """Return the following errors, set-values less positions, in rad."""
         return self.setvalue - self.position
 
     @property
@@ -80,7 +80,7 @@ class Track:
 
     @checked
     def between(self, first: Whole(0, 2**31), last: Whole(0, 2**31)):
-        """Return the `Track` from a `first` tick to a `last`; its time begins anew at 0.
+        """Return the `Track` from a `first` tick to a `last`, whose time begins anew at 0.
 
         Raises
         ------
@@ -124,32 +124,32 @@ def follow(
     loop : Loop or a list of them
         One for each axis, or one for all; all have the same tick.
     setvalues : (ticks + 1,) or (ticks + 1, n) float
-        Of one axis or of n, in rad. Each axis starts at rest at its first set-value.
+        Wanted positions of one axis or of n, in rad. Each axis starts at rest at its first.
     slopes : (ticks,) or (ticks, n) float, optional
         Exact slopes in rad/s, as from `polyline_slopes`; only a feed-forward needs them.
     inverse : function, optional
         (rate, position) -> command, in place of the plant's own static inverse ``command``.
     arm : Arm, optional
-        The masses on theta and phi, through which their motions act on each other; for two
+        The masses on theta and phi, through which the joints act on each other; for two
         `Compressible` plants. Without it each axis has the inertia and the weight of its own
         `Hydraulics`.
     push : Push or function, optional
-        What pushes two `Compressible` plants in all ticks; or a function (tick, tried) that returns
-        a `Push` or None. It is first called with `tried` None and returns the push of the next m
-        ticks, as many as it likes. Then it is called with the positions (m + 1, 2) reached under
-        that push, the one before them first: it returns another push, with which the ticks are
-        run again, or None, which keeps them.
+        The push on two `Compressible` plants in all ticks; or a function (tick, tried) that returns
+        a `Push` or None. It is called first with `tried` None and returns the push of the next m
+        ticks, for an m of its choice. Then it is called with the m + 1 positions (m + 1, 2) that
+        the push led to, beginning with the one before these ticks, and returns another push, with
+        which the ticks are run again, or None, which keeps them.
 
     Returns
     -------
     track : Track
-        Set-values, positions, commands and states. A loop that isn't stable is run all the same:
-        the valve's limit keeps it finite.
+        Set-values, positions, commands and states. An unstable loop is run as well, since the
+        valve's limit keeps it finite.
 
     Raises
     ------
     ValueError
-        If the arguments don't fit each other, or set-values or an axis leave a cylinder's stroke.
+        If the arguments don't fit each other, or the set-values or an axis leave a stroke.
 
     Examples
     --------
@@ -162,7 +162,7 @@ def follow(
         raise ValueError(
             f"setvalues: must be of one tick and of one axis at least; got {setvalues.shape}."
         )
-    # One axis is one column; the answers get back the shape of the set-values.
+    # One axis is one column; the answers have the shape of the set-values again.
     columns = setvalues.reshape(len(setvalues), -1)
     axes = columns.shape[1]
     plants = _for_each_axis("plant", plant, axes)
@@ -173,8 +173,6 @@ def follow(
     for one, column in zip(plants, columns.T, strict=True):
         if one.hydraulics is not None:
             check_stroke(column, one.hydraulics.low, one.hydraulics.high, "setvalues")
-    if inverse is not None:
-        _try(inverse, columns[0, 0])
     rates = _slope_columns(slopes, setvalues, loops)
     if arm is None and push is None:
         energies = None
@@ -192,16 +190,14 @@ def follow(
     stable = (None,) * axes
     if inverse is None:
         stable = tuple(map(_is_stable, plants, loops, columns.T))
+    # Commands are limited exactly to the limit, so that equality tells saturation.
     saturated = (command >= limit) | (command <= -limit)
     return Track(loops[0].tick, setvalues, position, command, saturated, states, stable, energies)
 
 
 def _is_stable(plant, loop, column):
-    """Return whether small motions of an axis are stable all over the range of its set-values.
-
-    None where the plant has no linear form.
-    """
-    # Oil's stiffness depends on the angle, so five angles of the range are judged.
+    """Return whether an axis is stable over the range of its set-values, or None if unknown."""
+    # The oil's stiffness depends on the angle, so five angles of the range are judged.
     angles = np.linspace(column.min(), column.max(), 5)
     try:
         return is_stable(plant, loop, angles)
@@ -210,7 +206,7 @@ def _is_stable(plant, loop, column):
 
 
 def _for_each_axis(name, value, axes):
-    """Return one item for each axis, or raise ValueError if there are others in number."""
+    """Return one item for each axis; another number of them raises ValueError."""
     if not isinstance(value, tuple):
         return [value] * axes
     if len(value) != axes:
@@ -219,7 +215,7 @@ def _for_each_axis(name, value, axes):
 
 
 def _slope_columns(slopes, values, loops):
-    """Return the slopes (ticks, n), or zeros where none are given and no loop needs them."""
+    """Return the slopes (ticks, n), or zeros if none are given and no loop needs them."""
     wanted = (len(values) - 1, *values.shape[1:])
     if slopes is None:
         if any(loop.feedforward for loop in loops):
@@ -228,16 +224,3 @@ def _slope_columns(slopes, values, loops):
     if slopes.shape != wanted:
         raise ValueError(f"slopes: must be of shape {wanted}; got {slopes.shape}.")
     return slopes.reshape(len(slopes), -1)
-
-
-def _try(inverse, position):
-    """Raise ValueError if a caller's own inverse doesn't return a number."""
-    try:
-        answer = inverse(0.0, float(position))
-        good = bool(abs(answer) <= np.inf)
-    except Exception as error:
-        raise ValueError(
-            f"inverse: must be a function of rate and position; got {shown(error)}."
-        ) from error
-    if not good:
-        raise ValueError(f"inverse: must return a number; got {shown(answer)}.")

@@ -1,8 +1,8 @@
 """The sizes of a machine's hydraulics: usual ones for its arm, and the axes that they make.
 
-All are the study's assumptions. Machines are taken as similar: with the length of the arm, s times
-as great, lengths grow as s, masses and volumes as s^3, a valve's flow as s^2 and its lag as s;
-pressures and oil stay. Cutters are then equally fast, joints and resonances s times as slow.
+All are the study's assumptions. Machines are taken as similar: for an arm s times as long, lengths
+grow as s, masses and volumes as s^3, a valve's flow as s^2 and its lag as s; pressures and oil stay
+the same. Cutters are then equally fast, joints and resonances s times slower.
 """
 
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from .arm import Arm
 from .hydraulics import STROKE_MARGIN, Hydraulics
 from .quantities import Quantity, Size, Size0
 
-LAND = 35e5  # Pa, the pressure lost at a land at a valve's rated flow
+LAND = 35e5  # Pa, the pressure drop at a land at a valve's rated flow
 SHARED = "supply", "tank", "bulk", "hose", "valve_lag", "piston_leak", "valve_leak"  # of both axes
 
 
@@ -34,19 +34,19 @@ class Sizes:
     bulk : float
         Bulk modulus of the oil with its hoses, in Pa.
     hose : float
-        Oil between valve and piston on either side of each axis, in m^3.
+        Volume of oil between valve and piston on each side of each axis, in m^3.
     rated_flow : float
-        Of each open valve at 35 bar a land, in m^3/s.
+        Flow of each open valve at 35 bar per land, in m^3/s.
     valve_lag : float
         Time constant of the spools, in s.
     damping : float
-        Damping ratio of each resonance at joint angle 0, or where the stroke comes nearest to it.
+        Damping ratio of each resonance at joint angle 0, or at the end of the stroke nearest to it.
     lift_friction, swing_friction : float
-        Dry friction of theta and of phi, with the seals, in N m.
+        Dry friction of theta and of phi, including the seals, in N m.
     piston_leak, valve_leak : float
         Leaks past each piston and past each closed land, in m^3/s/Pa.
     pump : float
-        Oil that the pump delivers to both axes together, in m^3/s.
+        Flow of oil from the pump to both axes together, in m^3/s.
 
     Raises
     ------
@@ -79,13 +79,13 @@ def usual_sizes(machine: Machine):
     Parameters
     ----------
     machine : Machine
-        Only its `R` matters.
+        The machine, of which only `R` counts.
 
     Returns
     -------
     sizes : Sizes
-        At R = 0.80 m a head of 30 kg, an arm of 60 kg, 160 bar, hoses of 50 cm^3, valves of 4 L/min
-        with a lag of 4 ms, dry friction of 40 and 20 N m, and leaks that take 0.2 L/min at rest.
+        At R = 0.80 m: a head of 30 kg, an arm of 60 kg, 160 bar, hoses of 50 cm^3, valves of 4
+        L/min with a lag of 4 ms, dry friction of 40 and 20 N m, and leaks of 0.2 L/min at rest.
 
     Examples
     --------
@@ -129,15 +129,15 @@ def axes_of(machine: Machine, sizes: Sizes):
     Parameters
     ----------
     machine : Machine
-        Its strokes extend 2 degrees beyond its joint limits.
+        The machine. The strokes extend 2 degrees beyond its joint limits.
     sizes : Sizes
-        Of cylinders, masses, oil and valves.
+        Sizes of cylinders, masses, oil and valves.
 
     Returns
     -------
     theta, phi : Hydraulics
-        With the inertia and the weight of the `Arm` at joint angles 0, where the weight loads theta
-        alone.
+        Axes with the inertia and the weight of the `Arm` at joint angles 0, where only theta
+        carries the weight.
 
     Raises
     ------
@@ -153,14 +153,14 @@ def axes_of(machine: Machine, sizes: Sizes):
 
 
 def _axis(sizes, linkage, least, greatest, inertia, gravity, friction):
-    """Return one of `axes_of`, between joint limits, its damping ratio set near angle 0."""
+    """Return one of `axes_of` between joint limits, with its damping ratio set near angle 0."""
     axis = Hydraulics(
         linkage=linkage,
         low=least - STROKE_MARGIN,
         high=greatest + STROKE_MARGIN,
         inertia=inertia,
         gravity=gravity,
-        damping=inertia,  # any number: the frequency, which sets it below, doesn't depend on it
+        damping=inertia,  # a placeholder: the frequency, which sets it below, doesn't depend on it
         flow=sizes.rated_flow / LAND**0.5,
         friction=friction,
         **{name: getattr(sizes, name) for name in SHARED},
@@ -176,14 +176,14 @@ def reference_axes(machine: Machine, *, damping: Quantity = 0.15):
     Parameters
     ----------
     machine : Machine
-        Its joint limits and radii count.
+        The machine, of which joint limits and radii count.
     damping : float
-        Damping ratio of the resonance at joint angle 0, or where the stroke comes nearest to it.
+        Damping ratio of the resonance at joint angle 0, or at the end of the stroke nearest to it.
 
     Returns
     -------
     theta, phi : Hydraulics
-        As of `axes_of`.
+        As by `axes_of`.
     """
     smooth = dict.fromkeys(("lift_friction", "swing_friction", "piston_leak", "valve_leak"), 0.0)
     return axes_of(machine, replace(usual_sizes(machine), damping=damping, **smooth))

@@ -1,7 +1,7 @@
 """The controller's tasks (Fig. 7): a fast interpolation, a servo, a slow preparation of segments.
 
 Times are whole numbers of one unit, such as a microsecond. Tasks are listed by priority, the most
-urgent first. A more urgent task interrupts the others at once.
+urgent first; a more urgent task interrupts the others at once.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ..arguments import Each, Whole, Wholes, checked
 
 LONGEST = 2**40  # units of time
-MOST_RELEASES = 200_000  # in a run, which then takes about a second
+MOST_RELEASES = 200_000  # in a run, which takes about a second then
 
 Time = Whole(1, LONGEST)
 Times = Wholes("(k,) int", 1, LONGEST)
@@ -25,8 +25,9 @@ class Task:
     Parameters
     ----------
     name : str
+        Its name.
     period, cost : int
-        Time between two releases, and processor time that each takes.
+        Time between two releases, and the processor time that each takes.
 
     Raises
     ------
@@ -43,7 +44,7 @@ Tasks = Each(Task, some=True)
 
 
 class Slice(NamedTuple):
-    """A stretch of time, from start to stop, in which the task `name` has the processor."""
+    """A stretch of time from start to stop in which the task `name` has the processor."""
 
     name: str
     start: int
@@ -51,7 +52,7 @@ class Slice(NamedTuple):
 
 
 class Release(NamedTuple):
-    """One release of the task `name`: when it was `released`, and its work `done`."""
+    """One release of the task `name`: the time when it was `released` and when it was `done`."""
 
     name: str
     released: int
@@ -59,14 +60,14 @@ class Release(NamedTuple):
 
 
 class HandOver(NamedTuple):
-    """When each segment was ready, needed and started, in tuples with one entry a segment.
+    """The times at which segments were ready, needed and started, with one entry per segment.
 
     Parameters
     ----------
     ready, needed, started : tuple of int
-        In the unit of the tasks' periods.
+        Times in the unit of the tasks' periods.
     starved : tuple of int
-        Number of ticks on which the last set-value was held for lack of the segment.
+        Number of ticks in which the last set-value was held because the segment wasn't ready.
     """
 
     ready: tuple
@@ -83,18 +84,18 @@ def utilisation(tasks: Tasks):
 
 @checked
 def response_times(tasks: Tasks):
-    """Return the longest time from release to end of each task, released all at once.
+    """Return the longest time from release to end of each task, which is met if all start at once.
 
     Parameters
     ----------
     tasks : list of Task
-        In order of priority.
+        The tasks in order of priority.
 
     Returns
     -------
     times : list of int or float
-        The least R with R = C + sum of ceil(R / T_j) C_j over the more urgent tasks of periods T_j
-        and costs C_j; infinite where it would exceed the task's own period.
+        For a task of cost C the least R = C + sum of ceil(R / T_j) C_j over the more urgent tasks,
+        of periods T_j and costs C_j; infinite if it would exceed the task's own period.
 
     Examples
     --------
@@ -107,14 +108,14 @@ def response_times(tasks: Tasks):
 
 @checked
 def background_response(tasks: Tasks, cost: Time):
-    """Return the longest time that work of a `cost` takes if all tasks are more urgent.
+    """Return the longest time that work of a `cost` takes if all `tasks` are more urgent.
 
     It is infinite if it would exceed 2^40.
 
     Raises
     ------
     ValueError
-        If the tasks leave nothing of the processor.
+        If the tasks leave no processor time.
     """
     _leaves_time(tasks)
     return _response(tasks, cost, LONGEST)
@@ -122,14 +123,14 @@ def background_response(tasks: Tasks, cost: Time):
 
 @checked
 def schedule(tasks: Tasks, horizon: Time):
-    """Return what tasks, all released at 0, do up to a horizon, event by event.
+    """Return the schedule of tasks, all released at 0, up to a `horizon`.
 
     Returns
     -------
     slices : list of Slice
-        Who has the processor, in order of time; gaps are idle.
+        The tasks that have the processor, in order of time; gaps are idle.
     done : list of Release
-        Every release whose work is done by the horizon, in order of its end.
+        Every release whose work is done by the horizon, in order of the ends.
 
     Raises
     ------
@@ -151,27 +152,27 @@ def _releases(tasks, horizon):
 
 
 def _run(tasks, horizon):
-    """Return `schedule` unchecked: between events the most urgent work has the processor."""
+    """Return the slices and the finished releases of `schedule`."""
     coming_release = [0] * len(tasks)
     waiting = []  # (priority, release, work left), the most urgent first
     now = 0
     slices = []
     done = []
     while now < horizon:
-        # What was released meanwhile joins the work that waits.
+        # Releases up to now join the waiting work.
         for i, task in enumerate(tasks):
             while coming_release[i] <= now:
                 waiting.append((i, coming_release[i], task.cost))
                 coming_release[i] += task.period
         waiting.sort()
-        # Until the next release the most urgent work stays so.
+        # Until the next release the most urgent work keeps the processor.
         coming = min(*coming_release, horizon)
         if not waiting:
             now = coming
             continue
         i, release, left = waiting.pop(0)
         stop = min(now + left, coming)
-        # If a release didn't interrupt it, the task's last slice goes on.
+        # A release that didn't interrupt the task continues its last slice.
         if slices and slices[-1].name == tasks[i].name and slices[-1].stop == now:
             slices[-1] = slices[-1]._replace(stop=stop)
         else:
@@ -186,25 +187,25 @@ def _run(tasks, horizon):
 
 @checked
 def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
-    """Return how segments fare that are prepared in the time that tasks leave.
+    """Return when segments are ready and start if they are prepared in the time that tasks leave.
 
     Parameters
     ----------
     tasks : list of Task
         All more urgent than the preparation; the first is the interpolation.
     costs : (k,) int
-        Processor time that the preparation of each segment takes.
+        Processor times that the preparation of the segments takes.
     ticks : (k,) int
-        Number of ticks of the interpolation that each segment lasts.
+        Durations of the segments, in ticks of the interpolation.
     depth : int
-        How many segments may be ready or in preparation; 1 is a double buffer.
+        Number of segments that may be ready or in preparation; 1 is a double buffer.
 
     Returns
     -------
     run : HandOver
-        A segment starts on the first tick at which it is needed and ready. Until then the last
-        set-value is held: starvation costs time, never counts. What the first segment is waited
-        for is the start-up.
+        A segment starts at the first tick at which it is needed and ready. Until then the last
+        set-value is held: starvation costs time, never counts. The wait for the first segment is
+        the start-up.
 
     Raises
     ------
@@ -237,7 +238,7 @@ def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
 
 @checked
 def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
-    """Return the least depth at which no segment but the first is waited for, or None.
+    """Return the least depth at which only the first segment is waited for, or None.
 
     The arguments (tasks, costs, ticks) are those of `hand_over`.
     """
@@ -249,7 +250,7 @@ def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
 
 
 def _segments(costs, ticks):
-    """Return costs and ticks as lists, which must have the same length and not be empty."""
+    """Return costs and ticks as lists, which must be equally long and not empty."""
     if not len(costs):
         raise ValueError("costs: must be a list, not empty; got none.")
     if len(costs) != len(ticks):
@@ -258,7 +259,8 @@ def _segments(costs, ticks):
 
 
 def _response(urgent, cost, latest):
-    """Return the least fixed point of R = cost + sum ceil(R / T_j) C_j, infinite above `latest`."""
+    """Return the least R = cost + sum ceil(R / T_j) C_j over urgent tasks; infinite if too late."""
+    # From below, each step adds the releases within the time so far, up to the least fixed point.
     time = 0
     wanted = cost
     while time != wanted:
@@ -270,7 +272,7 @@ def _response(urgent, cost, latest):
 
 
 def _idle(tasks):
-    """Return the idle stretches of a cycle after which the pattern repeats, and the cycle."""
+    """Return the idle stretches of the cycle after which the pattern repeats, and the cycle."""
     cycle = math.lcm(*(task.period for task in tasks))
     releases = _releases(tasks, cycle)
     if releases > MOST_RELEASES:
@@ -284,12 +286,12 @@ def _idle(tasks):
 
 
 def _finish(idle, cycle, start, cost):
-    """Return when work that may begin at `start` is done in the idle stretches of each cycle."""
+    """Return when work of a `cost` that may begin at `start` is done in the idle stretches."""
     turn, place = divmod(start, cycle)
     per_cycle = sum(b - a for a, b in idle)
-    # Work that began with the cycle would also have used the idle time before `start`.
+    # Count as if it had begun with the cycle, and used the idle time before `start` as well.
     cost += sum(max(0, min(b, place) - a) for a, b in idle)
-    full, left = divmod(cost - 1, per_cycle)  # the end of a cycle's idle time is still of it
+    full, left = divmod(cost - 1, per_cycle)  # the end of a cycle's idle time belongs to that cycle
     left += 1
     for a, b in idle:
         if left <= b - a:
@@ -299,7 +301,7 @@ def _finish(idle, cycle, start, cost):
 
 
 def _leaves_time(tasks):
-    """Raise ValueError if tasks don't keep their periods or take the whole processor."""
+    """Raise ValueError if tasks can't keep their periods or take the whole processor."""
     share = utilisation(tasks)
     if math.inf in response_times(tasks) or share >= 1:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Loops and axes from tick to tick: the work of `follow`, in numbers that can be compiled."""
+"""Loops and axes from tick to tick: the loops of `follow`, on numbers, which can be compiled."""
 
 import math
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from .both_joints import ENERGIES, Push, least_parts, machine_of, machine_tick, 
 from .hydraulics import spool_at
 from .oil import Compressible, out_of_stroke
 
-# About how long a tick takes in plain Python, in s, and each step of its integration.
+# Times that a tick and each step of its integration take in plain Python, in s.
 PLAIN_TICK, PLAIN_PART = 2e-6, 3e-5
 
 
@@ -34,12 +34,12 @@ def control_of(loop):
 
 
 def ticked(plant, state, u):
-    """Stand in for the plant's function that returns its state a tick later, under a command u."""
+    """Stand in for the plant's function that returns its state after a tick under a command u."""
     raise NotImplementedError
 
 
 def commanding(plant, rate, position):
-    """Stand in for the plant's function that returns the command of a steady rate, in rad/s."""
+    """Stand in for the plant's function that returns the command of a steady rate in rad/s."""
     raise NotImplementedError
 
 
@@ -47,15 +47,15 @@ def commanded(plant, control, grown, wanted, slope, position):
     """Return the command of a tick, and the integral `grown` by its following error.
 
     With the error e = wanted - position, as the encoder measures it, the wanted rate is gain e +
-    integral sum(e tick) + share slope. The static inverse of the `plant` gives its command.
-    `control` is a `Control`; `wanted`, `slope` and `position` are in rad and rad/s.
+    integral sum(e tick) + share slope, of which the static inverse of the `plant` gives the
+    command. `control` is a `Control`; `wanted`, `slope` and `position` are in rad and rad/s.
     """
     # The encoder gives the nearest whole count.
     if control.count > 0:
         position = control.count * nearest(position / control.count)
     error = wanted - position
     u = commanding(plant, control.gain * error + grown + control.share * slope, position)
-    # While the valve is fully open the integral waits: it would grow, and overshoot later.
+    # While the valve is fully open the integral waits, lest it grow and overshoot later.
     if u > control.limit:
         u = control.limit
     elif u < -control.limit:
@@ -66,9 +66,9 @@ def commanded(plant, control, grown, wanted, slope, position):
 
 
 def delayed(control, memory, tick, u):
-    """Return the command that reaches the valve in a `tick` in which the loop asks for u.
+    """Return the command that reaches the valve in the `tick` in which the loop asks for u.
 
-    With a delay of n ticks it is the one of n ticks ago. `memory` holds the commands that wait,
+    With a delay of n ticks it is the command of n ticks ago. `memory` holds the waiting commands
     from its second place on; `control` is a `Control`.
     """
     if control.delay == 0:
@@ -80,17 +80,17 @@ def delayed(control, memory, tick, u):
 
 
 def nearest(number):
-    """Return the nearest whole number as a float, of two the greater."""
+    """Return the nearest whole number as a float; a half is rounded up."""
     # Above 2^52 all floats are whole.
     return float(math.floor(number + 0.5)) if abs(number) < 4.5e15 else number
 
 
 def run_axis(plant, control, memory, state, setvalues, slopes, states, commands):
-    """Run the axis of a `plant`, fill its `states` and `commands`; return the number of ticks run.
+    """Run the axis of a `plant`, fill its `states` and `commands`; return the number of full ticks.
 
-    There are fewer than slopes where it left its stroke. `control` is a `Control`, `memory`
-    (1 + delay,) the loop's integral and the commands that wait; `setvalues` are in rad, `slopes` in
-    rad/s. `states` has a row for each number of the `state`, with which they begin.
+    It is less than the number of slopes if the axis left its stroke. `control` is a `Control`,
+    `memory` (1 + delay,) the loop's integral and the waiting commands; `setvalues` are in rad,
+    `slopes` in rad/s. `states` has a row for each number of the `state`, with which it begins.
     """
     grown = memory[0]
     for tick in range(len(slopes)):
@@ -121,9 +121,9 @@ def run_joints(
 ):
     """Run both axes of a `machine` from the tick `first` on, as `run_axis` runs one.
 
-    `controls`, `memories` and each row of `setvalues`, `slopes` and `commands` are theta's and
-    phi's; `state` and each row of `states` are theta's state, phi's, and the energies so far.
-    `pushes` are `Push.rows`, `parts` the ticks' numbers of steps; `tick` is in s.
+    `controls`, `memories` and each row of `setvalues`, `slopes` and `commands` hold theta's and
+    phi's; `state` and each row of `states` hold theta's state, phi's, and the energies so far.
+    `pushes` are `Push.rows`, `parts` the numbers of steps in the ticks; `tick` is in s.
     """
     theta = machine.theta
     phi = machine.phi
@@ -149,10 +149,10 @@ def run_joints(
 
 
 def run_each(plants, loops, setvalues, slopes, own_inverse):
-    """Return lists of states and of commands of `plants` under `loops` that share nothing.
+    """Return lists of the states and commands of independent `plants` under their `loops`.
 
-    Each has a column of `setvalues` (ticks + 1, n), in rad, and of `slopes` (ticks, n), in rad/s;
-    `own_inverse` is a caller's, as in `follow`, or None.
+    Each has a column of `setvalues` (ticks + 1, n) in rad and of `slopes` (ticks, n) in rad/s;
+    `own_inverse` is the caller's, as in `follow`, or None.
     """
     all_states = []
     all_commands = []
@@ -182,10 +182,10 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
 
 
 def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
-    """Return states and commands of both axes of one machine, and the energies (ticks + 1, 5).
+    """Return the states and commands of both axes of one machine, and the energies (ticks + 1, 5).
 
-    `plants`, `loops`, `setvalues`, `slopes` and `own_inverse` are as of `run_each`, `arm` and
-    `push` as of `follow`.
+    `plants`, `loops`, `setvalues`, `slopes` and `own_inverse` are as in `run_each`, `arm` and
+    `push` as in `follow`.
     """
     if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
         raise ValueError(
@@ -208,18 +208,18 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     machine = machine_of(axes, arm)
     controls = tuple(map(control_of, loops))
     memories = np.zeros((2, 1 + max(loop.delay for loop in loops)))
-    expect_run(plants, tick, ticks)
+    expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants), "axes")
     least = least_parts(axes, tick)
     done = 0
     while done < ticks:
-        # Some ticks at a time: a function of the ground is asked for their push, and after the run
-        # whether it stays; if not they are run again from the same states and memories.
+        # Some ticks at a time: the function is asked for their push and, once they are run, whether
+        # it stands; if not, they are run again from the same states and memories.
         answer = push(done, None) if callable(push) else every
         state = tuple(map(tuple, states[done].reshape(3, 5).tolist()))
         remembered = memories.copy()
         while answer is not None:
             rows = answer.rows if callable(push) else every
-            # In one memory order, so that one compiled form does for all.
+            # Always in one memory order, so that one compiled form suffices.
             rows = np.array(rows[: ticks - done], order="C")
             end = done + len(rows)
             memories[:] = remembered
@@ -248,17 +248,12 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
 
 
 def plain_seconds(numbers, ticks):
-    """Return about how long plain Python takes for `ticks` of an axis of such `numbers`, in s."""
+    """Return the time that plain Python takes for `ticks` of an axis of these `numbers`, in s."""
     return ticks * (PLAIN_TICK + PLAIN_PART * getattr(numbers, "parts", 0))
 
 
-def expect_run(plants, tick, ticks):
-    """Tell `compiled.expect` that `plants` will be run for so many `ticks` of a `tick` in s."""
-    expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants), "axes")
-
-
 def _run(function, given, own_inverse, **parts):
-    """Return what `call` returns; in plain Python if a caller's own inverse takes part."""
+    """Return the answer of `call`; with a caller's own inverse that of plain Python."""
     if own_inverse is None:
         return call(function, *given, kind="axes", **parts)
     parts["commanding"] = lambda plant, rate, position: own_inverse(rate, position)

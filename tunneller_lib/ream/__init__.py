@@ -1,4 +1,4 @@
-"""The whole job: plan a cut, run it through controller and axes, and look at the wall it leaves."""
+"""The whole cut: plan it, run it through controller and axes, and look at the wall it leaves."""
 
 from . import wall
 from .clearance import part_clearances

@@ -1,4 +1,4 @@
-"""Plants and loops of the two joints: one for both, or one for each."""
+"""The plants and loops of both joints: one for both, or one for each."""
 
 from ..motion import Loop
 from ..motion.plant import Plant
@@ -18,6 +18,6 @@ def check_ticks(plan, loops):
 
 
 def check_linear(loops):
-    """Raise ValueError if a loop has an integral, which the closed forms lack."""
+    """Raise ValueError if a loop has an integral, for which there are no closed forms."""
     if any(loop.integral for loop in loops):
-        raise ValueError("loop: must be without integral, which the closed forms lack; got one.")
+        raise ValueError("loop: must be without integral, which has no closed forms; got one.")

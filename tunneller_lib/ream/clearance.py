@@ -1,4 +1,4 @@
-"""How far the machine's parts keep from the wall that isn't cut yet."""
+"""How far the machine's parts keep from the intact wall."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -11,20 +11,21 @@ from ..removal.arm_clearance import rod_clearance, solid_clearance
 from .pose import Pose
 
 PLACES = 721  # of the circuit, at which the parts are looked at
-SAME = 1e-12  # m
+SAME = 1e-12  # m, within which clearances are taken as equal
 
 
 class PartClearance(NamedTuple):
-    """How far a part of the machine keeps from the wall.
+    """The clearance between a part of the machine and the wall.
 
     Parameters
     ----------
     name : str
         "arm", "holder", "box" or "cutter".
     least : float
-        Over the circuit, in m; negative in the ground.
+        Least clearance over the circuit, in m; negative in the ground.
     place : float or None
-        Arc length along the offset section, in m, where it is least; None for what doesn't move.
+        Arc length along the offset section at which it is least, in m; None for a part that
+        doesn't move.
     """
 
     name: str
@@ -33,12 +34,12 @@ class PartClearance(NamedTuple):
 
     @property
     def collides(self):
-        """Whether it is in the wall and isn't there to cut it."""
+        """Whether the part is in the wall and isn't the cutter."""
         return self.least < 0 and self.name != "cutter"
 
     @property
     def depth_in_wall(self):
-        """Return how deep it is in the wall, and where, as the end of a sentence."""
+        """Return the end of a sentence that says how deep the part is in the wall, and where."""
         where = "" if self.place is None else f" {self.place:.3f} m along the circuit"
         return f"is {-self.least:.3f} m in the wall{where}"
 
@@ -50,21 +51,22 @@ def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None 
     Parameters
     ----------
     circuit : Circuit
-        Machine, section, and how it is set up.
+        The circuit, with machine, section and set-up.
     arm_radius : float
-        Of a round-ended rod about the arm, from the tangential joint to the cutter's centre, in m.
+        Radius of a round-ended rod that holds the arm, from the tangential joint to the cutter's
+        centre, in m.
     pose : Pose, optional
-        Where the machine stands instead of where it should.
+        By how much the machine stands elsewhere than planned.
 
     Returns
     -------
     clearances : list of PartClearance
-        Of the arm; of the holder and the box of the machine's `Body`, where it has them; and of
-        the cutter's ball, which is as deep in the wall as it cuts.
+        The arm's; those of the holder and the box of the machine's `Body`, if it has them; and
+        that of the cutter's ball, which is as deep in the wall as it cuts.
 
     Notes
     -----
-    The machine steps back along the tunnel, so that one lap's clearances are those of all.
+    The machine steps back along the tunnel, so one lap's clearances are those of all laps.
 
     Examples
     --------
@@ -85,7 +87,8 @@ def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None 
     if pose is not None:
         joint, centre, foot = (pose.moved(point, foot) for point in (joint, centre, foot))
         turn = replace(pose, y=0.0, z=0.0).moved(np.eye(3), np.zeros(3)).T
-        arm_axes, axes = turn @ arm_axes, turn @ axes
+        arm_axes = turn @ arm_axes
+        axes = turn @ axes
     depths = {"arm": rod_clearance(section, joint, centre, arm_radius)}
     if machine.body is not None:
         if machine.body.has_holder:
@@ -98,9 +101,9 @@ def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None 
 
 
 def _least(name, depth, s):
-    """Return the `PartClearance` of depths at arc lengths s, or of one for what doesn't move."""
+    """Return the `PartClearance` of depths at arc lengths s, or of one for a part at rest."""
     if np.ndim(depth) == 0:
         return PartClearance(name, float(depth), None)
-    # The first of those that are equal but for rounding: an aligned arm's are, all along.
+    # The first of those that differ by rounding only, as all of an aligned arm's do.
     worst = int(np.argmax(depth <= depth.min() + SAME))
     return PartClearance(name, float(depth.min()), float(s[worst]))

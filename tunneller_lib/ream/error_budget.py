@@ -1,7 +1,7 @@
-"""Whose fault is which part of the wall's error: each source switched on alone.
+"""The wall's error by its sources, each switched on alone.
 
-A source is one row of `SOURCES` and one function, from a `Case` to how far the wall is off and what
-a closed form says of it.
+A source is one row of `SOURCES` and one function of a `Case`, which returns by how much the wall is
+off and what a closed form says.
 """
 
 import math
@@ -17,13 +17,13 @@ from ..motion.arm import Arm
 from ..removal import Ground
 from . import faults, loads
 from .both_axes import Loops, Plants, check_linear, check_ticks
-from .planning import Plan, check_unheld
+from .planning import Plan
 from .pose import Pose
 
-HALF = 0.4, 0.6  # of a fault, what is left where it is called halved
-TRIES = 2  # of a factor, the second by the power that the first one showed
-FARTHEST = 8  # either way, beyond which a factor is no advice
-UNCHANGED = 0.97  # of a fault, from which on what was changed doesn't matter to it
+HALF = 0.4, 0.6  # share of a fault that is left if it is called halved
+TRIES = 2  # of a factor; the second follows from the power that the first one showed
+FARTHEST = 8  # greatest factor, or divisor, that is worth advising
+UNCHANGED = 0.97  # share that is left if a change doesn't matter to a fault
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,20 +33,20 @@ class Fault:
     Parameters
     ----------
     source : str
-        What is switched on; everything else is ideal.
+        The source that is switched on; everything else is ideal.
     kind : {"chosen", "machine", "ground", "paper"}
-        Who answers for it.
+        The origin of the error.
     deviation : (ticks + 1,) float
-        Overbreak that it leaves at each tick of a lap, in m; negative underbreak. Where it is
-        `along` the path, how far the set-values are ahead.
+        Overbreak at each tick of a lap, in m, negative for underbreak; of an error `along` the
+        path, by how much the set-values are ahead.
     closed : float or None
-        The closed form, in m; None where there is none.
+        The closed form, in m; None if there is none.
     measure : {"largest", "rms"}
-        What the closed form says.
+        The measure of the deviation that the closed form gives.
     remedies : tuple of (str, float)
-        What may halve it, the likeliest first, and by which factor: a guess, which `halving` tries.
+        What may halve the error, the likeliest first, and the factors with which `halving` begins.
     along : bool
-        Whether it is along the path and not across.
+        Whether the error is along the path, not across it.
     """
 
     source: str
@@ -74,34 +74,34 @@ class Fault:
 
     @property
     def measured(self):
-        """Return what `closed` is compared with, in m."""
+        """Return the measure of the deviation that `closed` is compared with, in m."""
         return self.rms if self.measure == "rms" else max(self.over, self.under)
 
     @property
     def ratio(self):
-        """Return what is measured over its closed form; None where there is none, or it is zero."""
+        """Return `measured` over `closed`; None if there is no closed form, or it is zero."""
         return self.measured / self.closed if self.closed else None
 
 
 class Source(NamedTuple):
-    """A source of error, and how it is switched on alone.
+    """A source of error, with the function that switches it on alone.
 
     Parameters
     ----------
     kind : {"chosen", "machine", "ground", "paper"}
-        Who answers for it.
+        The origin of the error.
     alone : callable
-        Of a `Case`: the fault's deviation and its closed form.
+        Function of a `Case` that returns the fault's deviation and its closed form.
     remedies : tuple of (str, float)
         As of a `Fault`.
     asked : callable
-        Of a `Case`: whether it has all that the source needs.
+        Function of a `Case` that returns whether it has all that the source needs.
     check : callable
-        Of a `Case`: raises ValueError where the closed form wouldn't hold.
+        Function of a `Case` that raises ValueError if the closed form doesn't hold.
     measure : {"largest", "rms"}
-        What the closed form says.
+        As of a `Fault`.
     along : bool
-        Whether it is along the path and not across.
+        As of a `Fault`.
     """
 
     kind: str
@@ -122,7 +122,10 @@ def _on(path):
 
 
 def _unheld(case):
-    check_unheld(case.plan)
+    if np.any(np.diff(case.plan.s[:-1]) <= 0):
+        raise ValueError(
+            "plan: must not wait between setpoints, since its path is compared; got one that does."
+        )
 
 
 def _linear(case):
@@ -142,12 +145,12 @@ def _oily(case):
 AXES = _having("plant", "loop")
 ARM = _having("plant", "loop", "arm")
 GROUND = _having("plant", "loop", "ground")
-# Force and speed both go with the feed: of a load that the ground makes a square is left.
+# A load of the ground goes with the feed's square: through the force and through the speed.
 SLOWER = ("power", 2**-0.5), ("feed", 2**-0.5)
 GAIN = ("gain", 2.0)
 RIPPLE = ("step", 2**-0.5), ("acceleration", 1 / 2)
-# A tolerance goes with the square of the length, paths with its third or fourth power. Corners may
-# miss their knots by a share of the tolerance.
+# A tolerance goes with the square of the chords' length, the error of paths with its third or
+# fourth power. Corners may miss their knots by a share of the tolerance.
 SECOND, THIRD, FOURTH = ((("tolerance", 2 ** (-2 / power)),) for power in (2, 3, 4))
 SOURCES = {
     "knots": Source("chosen", faults.knot_fault, SECOND, check=_unheld),
@@ -169,22 +172,22 @@ SOURCES = {
 @dataclass(frozen=True, eq=False)
 @checked
 class Case:
-    """What faults are of: a plan, the axes that run it, and what else there is.
+    """The case of an error budget: a plan, the axes that run it, and their surroundings.
 
     Parameters
     ----------
     plan : Plan
-        What is to be done.
+        The plan to run.
     plant : Plant or a pair of them, optional
         The axes theta and phi.
     loop : Loop or a pair of them, optional
-        Their position loops, with the plan's tick, without integral and dead band.
+        Their position loops, with the plan's tick and without integral.
     pose : Pose, optional
-        Where the machine stands instead of where it should.
+        By how much the machine stands elsewhere than planned.
     arm : Arm, optional
         The masses on both joints, for two `Compressible` plants.
     ground : Ground, optional
-        What pushes back, for two `Compressible` plants.
+        The ground that pushes back on two `Compressible` plants.
     """
 
     plan: Plan
@@ -196,7 +199,7 @@ class Case:
 
     @property
     def sources(self):
-        """Return the names of those `SOURCES` for which it has all that they need."""
+        """Return the names of the `SOURCES` for which the case has all that they need."""
         return [name for name, source in SOURCES.items() if source.asked(self)]
 
     @checked
@@ -206,20 +209,20 @@ class Case:
         Raises
         ------
         ValueError
-            If the case lacks what the source needs; if knots, path or feed are asked about and the
-            plan waits; if axes are and have another tick, an integral or a dead band; if loads are
-            and the axes aren't `Compressible`.
+            If the case lacks what the source needs; for knots, path or feed, if the plan waits; for
+            axes, if their tick isn't the plan's or they have an integral; for loads, if the axes
+            aren't `Compressible`.
         """
         about = SOURCES[source]
         if not about.asked(self):
             raise ValueError(
-                f"source: must be one for which the case has what it needs, "
+                f"source: must be one of those for which the case is complete, "
                 f"{', '.join(self.sources)}; got {source!r}."
             )
         about.check(self)
         deviation, closed = about.alone(self)
-        kind, measure, remedies = about.kind, about.measure, about.remedies
-        return Fault(source, kind, deviation, closed, measure, remedies, about.along)
+        told = about.measure, about.remedies, about.along
+        return Fault(source, about.kind, deviation, closed, *told)
 
 
 @checked
@@ -238,18 +241,18 @@ def budget(
     Parameters
     ----------
     plan, plant, loop, pose, arm, ground
-        As of a `Case`: a `Plan`, axes and their loops and, where they are part of it, a `Pose`, an
-        `Arm` and a `Ground`.
+        As of a `Case`: a `Plan`, axes and their loops and, if given, a `Pose`, an `Arm` and a
+        `Ground`.
     say : function, optional
-        Told which source is next.
+        Called with a sentence about the next source.
 
     Returns
     -------
     faults : list of Fault
         Knots, the path between them, corners, setpoints, counts, feed ripple, following, encoder
-        and, if given, both joints, the ground's mean force, its picks' ripple and pose. Their
-        deviations across the path add up to that of all together, but for products: where the path
-        turns, a trailing axis cuts the corner by more than its fault alone.
+        and, if given, both joints, the ground's mean force, its picks' ripple and pose. To first
+        order their deviations across the path add up to the deviation of all together; where the
+        path turns, a trailing axis cuts the corner by more than its fault alone.
 
     Raises
     ------
@@ -258,7 +261,7 @@ def budget(
 
     Notes
     -----
-    The ideal lap has the cutter's centre on the circuit at every tick of the plan.
+    In the ideal lap the cutter's centre is on the circuit at every tick of the plan.
     """
     case = Case(plan, plant, loop, pose, arm, ground)
     found = []
@@ -270,16 +273,16 @@ def budget(
 
 
 class Remedy(NamedTuple):
-    """What halves a fault, as simulated.
+    """A change that halves a fault, as a simulation confirms.
 
     Parameters
     ----------
     what : str
-        Is changed: an option of the plan, of its limits or of the loops.
+        The option of the plan, of its limits or of the loops that is changed.
     factor : float
-        By which it is multiplied.
+        The factor by which it is multiplied.
     left : float
-        Share of the fault that is left.
+        The share of the fault that is left.
     """
 
     what: str
@@ -289,20 +292,20 @@ class Remedy(NamedTuple):
 
 @checked
 def halving(fault: Fault, again: Callable[[str, float], object]):
-    """Return the first of a fault's remedies that halves it, as a simulation confirms.
+    """Return the first of a fault's remedies that halves it in another simulation.
 
     Parameters
     ----------
     fault : Fault
         One source of error, alone.
     again : function
-        (what, factor) -> `Fault`: the same source alone, with one of its ``remedies`` multiplied by
-        a factor; None where that can't be had.
+        (what, factor) -> `Fault` of the same source, with one of its ``remedies`` multiplied by a
+        factor; None if that isn't possible.
 
     Returns
     -------
     remedy : Remedy or None
-        Its factor has two decimals. None where no remedy leaves from 0.4 to 0.6 of the fault.
+        The remedy, with a factor of two decimals; None if none leaves 0.4 to 0.6 of the fault.
     """
     for what, factor in fault.remedies if fault.measured else ():
         for _ in range(TRIES):
@@ -319,6 +322,6 @@ def halving(fault: Fault, again: Callable[[str, float], object]):
                 return Remedy(what, factor, left)
             if not 0 < left < UNCHANGED:
                 break
-            # Were the fault a power of what is changed, this factor would leave a half.
+            # If the fault is a power of what is changed, this factor leaves a half.
             factor **= math.log(1 / 2) / math.log(left)
     return None

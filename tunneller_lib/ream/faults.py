@@ -1,7 +1,7 @@
-"""What each source leaves on the wall, alone, and its closed form: of plan, axes and pose.
+"""What each source of plan, axes and pose alone leaves on the wall, and its closed form.
 
 Each function takes a `Case` and returns the overbreak (ticks + 1,), in m, and the closed form of
-its largest size, or of its rms; None where there is none.
+its largest size, or of its rms, or None.
 """
 
 from contextlib import suppress
@@ -20,7 +20,7 @@ from .sensitivity import geodesic_bend, joint_bend, planned_motion, rounding_pas
 
 
 def knot_fault(case):
-    """Return what joining knots by true geodesics leaves, instead of following the circuit.
+    """Return what is left if true geodesics between knots replace the circuit.
 
     The closed form is the sagitta of a chord, bend length^2/8.
     """
@@ -32,9 +32,9 @@ def knot_fault(case):
 
 
 def projected_fault(case):
-    """Return what projected chords leave in place of geodesics between the same knots.
+    """Return what is left if projected chords replace geodesics between the same knots.
 
-    The closed form is the law of short chords, to the third power of their length.
+    The closed form is the law of short chords, which goes with the third power of their length.
     """
     plan = case.plan
     torus = plan.circuit.machine.torus
@@ -49,16 +49,16 @@ def projected_fault(case):
 
 
 def corrected_fault(case):
-    """Return what corrected chords leave in place of geodesics between the same knots.
+    """Return what is left if corrected chords replace geodesics between the same knots.
 
-    Nothing of the projected chord's law is left, and the next power has no closed form.
+    The correction cancels the projected chord's law, and the next power has no closed form.
     """
     plan = case.plan
     return _overbreak(plan, _sharp(plan)) - _overbreak(plan, _geodesics(plan)), None
 
 
 def corner_fault(case):
-    """Return what rounding the corners at knots leaves; see `Route.at` for its closed form."""
+    """Return what the rounding of the corners at knots leaves; `Route.at` has the closed form."""
     plan = case.plan
     way = plan.route
     slope = gradient(plan.circuit, way.places, plan.circuit.position(way.places))
@@ -67,7 +67,7 @@ def corner_fault(case):
 
 
 def setpoint_fault(case):
-    """Return what straight lines in joint space leave between setpoints on the circuit."""
+    """Return what is left by straight lines in joint space between setpoints on the circuit."""
     circuit = case.plan.circuit
     s = case.plan.s
     at = circuit.position(s)
@@ -78,41 +78,51 @@ def setpoint_fault(case):
 
 
 def count_fault(case):
-    """Return what whole counts leave: of the lines, and of setpoints in parts of a count."""
+    """Return what is left by lines in whole counts, and setpoints in parts of a count."""
     plan = case.plan
     circuit = plan.circuit
     at = circuit.position(plan.s)
     moves = Moves(setpoints=at, ticks=plan.ticks, tick=plan.tick, count=plan.count)
     apart = circuit.overbreak(moves.setvalues) - circuit.overbreak(_between(plan, at))
     slope = gradient(circuit, plan.places, circuit.position(plan.places))
-    # A line's rounding is uniform over a count. A setpoint is off by a uniform half of a part, and
-    # their mix on a line by 2/3 of its square.
-    square = (
-        plan.count**2 / 12 * (1 + 2 / 3 / moves.fineness**2) * np.mean(np.sum(slope**2, axis=-1))
-    )
+    # A line's rounding is uniform over a count, with the mean square count^2/12. That of setpoints
+    # to parts of a count is less than the share 1/fineness^2 of it.
+    square = plan.count**2 / 12 * np.mean(np.sum(slope**2, axis=-1))
     return apart, float(np.sqrt(square))
 
 
 def ripple_fault(case):
-    """Return how far a feed that is even over each move puts the cutter ahead along the path."""
+    """Return how far even joint rates over each move put the cutter ahead along the path.
+
+    Between setpoints each joint turns at one rate, where the planned motion changes it: by an
+    acceleration `a` of the cutter along its way over N ticks T. The closed form is the sagitta in
+    time at the middle tick, a T^2 (N/2)^2 / 2. The feed may be constant and `a` isn't zero, since
+    the levers change; a move of one tick has no tick between its ends.
+    """
     plan = case.plan
     torus = plan.circuit.machine.torus
     ends = np.concatenate([[0], np.cumsum(plan.ticks)])
     wanted = plan.route.at(plan.reached)
     off = _between(plan, plan.setpoints) - wanted
     direction = plan.route.at(plan.reached, order=1)
-    along = dot(levers(torus, wanted) * off, levers(torus, wanted) * direction)
-    # A mean speed in place of one that changes by dv over a move of N ticks: dv N T / 8 amid it.
-    lever = levers(torus, wanted[ends])
-    speed = dot(lever * np.gradient(wanted, axis=0)[ends], lever * direction[ends])[:-1]
-    return along, _largest(np.diff(speed) * plan.ticks[:-1] / 8)
+    lever = levers(torus, wanted)
+    along = dot(lever * off, lever * direction)
+    # The joints' mean acceleration between the first and the last tick of each move but the rest.
+    first = ends[:-2]
+    last = ends[1:-1]
+    middle = (first + last) // 2
+    ticks = plan.ticks[:-1]
+    rate = np.diff(wanted, axis=0)  # rad a tick
+    change = (rate[last - 1] - rate[first]) / np.maximum(ticks - 1, 1)[:, None]
+    acceleration = dot(lever[middle] * change, lever[middle] * direction[middle])
+    return along, _largest(acceleration * (ticks // 2) * (ticks - ticks // 2) / 2)
 
 
 def following_fault(case):
-    """Return what axes leave that trail their exact set-values, with ideal encoders.
+    """Return what is left by axes that trail their exact set-values, with ideal encoders.
 
-    The closed form is the series to second order, for slow motion and without waits; None where a
-    plant has no linear form.
+    The closed form is the series to second order, for slow motion without waits, or None if a plant
+    has no linear form.
     """
     plan = case.plan
     wanted = plan.circuit.position(plan.places)
@@ -124,10 +134,10 @@ def following_fault(case):
 
 
 def encoder_fault(case):
-    """Return what encoders with whole counts leave, beyond ideal ones.
+    """Return what is left by encoders with whole counts, beyond ideal ones.
 
-    Up to the rest at the lap's end, where one rounding stays for good. The closed form is None
-    where a plant has no linear form.
+    The rest at the lap's end, in which one rounding persists, is left out. The closed form is None
+    if a plant has no linear form.
     """
     plan = case.plan
     wanted = plan.circuit.position(plan.places[: -plan.ticks[-1]])
@@ -136,8 +146,8 @@ def encoder_fault(case):
     square = 0.0
     with suppress(NoLinearForm):
         for joint, (plant, loop) in enumerate(zip(case.plant, case.loop, strict=True)):
-            rate, angle = motion.rate[:, joint], motion.position[:, joint]
-            passed = rounding_passed(plant, loop, rate, angle)
+            angle = motion.position[:, joint]
+            passed = rounding_passed(plant, loop, motion.rate[:, joint], angle)
             passed = (motion.slope[:, joint] * loop.count) ** 2 * passed
             square += np.average(passed[:-1], weights=plan.ticks[:-1])
         return apart, float(np.sqrt(square))
@@ -145,13 +155,13 @@ def encoder_fault(case):
 
 
 def pose_fault(case):
-    """Return what a machine leaves that stands elsewhere, in a `Pose`, and doesn't know."""
+    """Return what is left by a machine that stands elsewhere, by a `Pose`, without knowing it."""
     plan = case.plan
     pose = case.pose
     circuit = plan.circuit
     wanted = circuit.position(plan.places)
     centre = plan.centres(wanted, pose=pose)
-    # A small turn moves a point by its cross product with the arm from the centre of the turn.
+    # A small turn moves a point by the cross product with the arm from the centre of the turn.
     arm = plan.centres(wanted) - circuit.in_tunnel(np.zeros(3))
     moved = np.cross([pose.roll, pose.pitch, pose.yaw], arm) + np.array([0.0, pose.y, pose.z])
     closed = _largest(dot(moved[:, 1:], circuit.profile.normal(plan.places)))
@@ -163,7 +173,7 @@ def _largest(sizes):
 
 
 def _segments(plan):
-    """Return of the chords between knots the arc length amid them, length and direction."""
+    """Return the middle arc lengths, lengths and directions of the chords between knots."""
     ends = np.append(plan.knots, plan.circuit.profile.perimeter)
     at = plan.circuit.position(ends)
     chord = np.diff(plan.circuit.machine.torus.point(at[:, 0], at[:, 1]), axis=0)
@@ -193,17 +203,17 @@ def _between(plan, at):
 
 
 def _overbreak(plan, way):
-    """Return the overbreak (ticks + 1,), in m, where another way has the places of each tick."""
+    """Return the overbreak (ticks + 1,) of another way at the places of the ticks, in m."""
     return plan.circuit.overbreak(way.at(way.length_at(plan.places)))
 
 
 def _followed(case, loops, wanted):
-    """Return the overbreak (n,), in m, of axes that follow positions (n, 2), one a tick."""
+    """Return the overbreak (n,) of axes that follow positions (n, 2), one for each tick, in m."""
     rates = np.diff(wanted, axis=0) / case.plan.tick
     track = follow(case.plant, loops, wanted, slopes=rates)
     return case.plan.circuit.overbreak(track.position)
 
 
 def _ideal(loops):
-    """Return the loops with encoders that don't round."""
+    """Return the loops with ideal encoders."""
     return [replace(loop, count=0.0) for loop in loops]

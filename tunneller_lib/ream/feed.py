@@ -1,9 +1,9 @@
-"""The fastest feed along a path that limits of speed, power, oil and acceleration allow.
+"""The fastest feed along a path under limits of speed, power, oil and acceleration.
 
-Over the square x = v^2 of the feed v, the acceleration a along the way changes it by dx/dl = 2 a.
-At each place the joints' accelerations q' a + q'' x are linear in both, and so every limit on their
-size is a convex set of (a, x) about the origin. The way is passed backwards for the greatest x from
-which the rest can still be run, then forwards as fast as these let it.
+The acceleration a along the way changes the square x = v^2 of the feed v by dx/dl = 2 a. At each
+place the joints' accelerations q' a + q'' x are linear in both, so every limit of their size is a
+convex set of (a, x) about the origin. A pass backwards finds the greatest x from which the rest can
+still be run; a pass forwards then goes as fast as these allow.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from ..motion.hydraulics import Hydraulics
 from ..motion.quantities import Pair
 from ..removal import Ground
 
-HALVINGS = 60  # of the range in which the greatest x of a place is looked for
+HALVINGS = 60  # of the range in which the greatest x of a place lies
 
 Bound = Number(
     LEAST,
@@ -32,36 +32,37 @@ Turns = Array("(3, m + 1, 2) float", last="theta, phi")
 @dataclass(frozen=True)
 @checked
 class Limits:
-    """What bounds the motion; a limit that is infinite bounds nothing.
+    """The limits of the motion; an infinite limit bounds nothing.
 
     Parameters
     ----------
     feed : float
         Greatest feed, in m/s.
     acceleration : float
-        Of the cutter, in m/s^2: the joints' accelerations, each times its lever, so that corners
-        cost feed, too. Every lap starts and ends at rest.
+        Greatest acceleration of the cutter, in m/s^2: the root of the sum of squares of the joints'
+        accelerations, each times its lever, so that corners cost feed as well.
     volume : float
-        Ground that the cutter's front may remove, in m^3/s (section 3.3.2), where it is on the
-        circuit. Between knots the ball takes somewhat more and less.
+        Greatest rate of removal by the cutter's front, in m^3/s (section 3.3.2), on the circuit;
+        between knots the ball removes somewhat more or less.
     flow : float
-        Oil that the pump delivers to both axes together, in m^3/s; needs `axes`.
+        Greatest flow of oil from the pump to both axes together, in m^3/s; needs `axes`.
     valve : float
-        Opening of the valve, 1 at most, that the steady motion may ask for; needs `axes`.
+        Greatest opening of the valves in steady motion, at most 1; needs `axes`.
     axes : (Hydraulics, Hydraulics), optional
         The axes theta and phi.
     joint_speed, joint_acceleration : float
-        Of each joint, in rad/s and rad/s^2.
+        Greatest speed and acceleration of each joint, in rad/s and rad/s^2.
     power : float
-        Of the cutter head, in W, on whole grooves, as those of a first lap; needs `ground`.
+        Greatest power of the cutter head on whole grooves, as in a first lap, in W; needs
+        `ground`.
     ground : Ground, optional
-        What cutting asks for; its force, with its ripple, loads the valves of the `axes`.
+        The law of the cutting force, which, with its ripple, loads the valves of the `axes`.
 
     Raises
     ------
     ValueError
-        If a number isn't above zero or is out of its range, the valve above 1 but not infinite, or
-        a limit needs axes or ground that aren't given.
+        If a number is out of its range, the valve is above 1 and finite, or a limit needs axes or
+        ground that aren't given.
     """
 
     feed: Size
@@ -102,14 +103,14 @@ class Limits:
             As for `bounds`, in m, rad and m^2.
         turns : (3, m + 1, 2) float, optional
             First and second derivatives of the positions by the length of way, in rad/m and
-            rad/m^2, and how far the cutter moves by a radian of each joint, in m. Without them the
-            way is straight and limits of the joints are left out.
+            rad/m^2, and the levers of both joints, in m. Without them the way is taken as straight,
+            and the joints' limits are left out.
 
         Returns
         -------
         feed : (m + 1,) float
-            At the ends, in m/s, changing by a constant acceleration over each move: the greatest
-            that no limit forbids.
+            The greatest feed at the ends of the moves that no limit forbids, in m/s; it changes
+            at a constant acceleration over each move.
 
         Raises
         ------
@@ -117,7 +118,7 @@ class Limits:
             As by `bounds`.
         """
         bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
-        # A place belongs to the moves before and after it.
+        # A place belongs to the move before it and to the one after it.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
         joint_acceleration = self.joint_acceleration
         if turns is None:
@@ -140,22 +141,21 @@ class Limits:
         groove: Areas | None = None,
         pushed: Ends | None = None,
     ):
-        """Return the greatest steady feed on each move.
+        """Return the greatest steady feed in each move.
 
         Parameters
         ----------
         lengths : (m,) float
-            Of the moves of the cutter's centre, in m.
+            Lengths of the cutter's moves, in m.
         positions : (m + 1, 2) float
-            Joint positions at their ends, in rad; straight in joint space between.
+            Joint positions at their ends, in rad; the moves are straight in joint space.
         ground : (m,) float
-            Ground removed by each metre of a move, in m^2.
+            Volume removed per metre of each move, in m^2.
         groove : (m,) float, optional
-            The same of a whole groove, beside which nothing is cut yet; that of `ground` unless
-            told.
+            The same in a whole groove, beside which nothing is cut yet; by default `ground`.
         pushed : (m + 1, 2) float, optional
-            Levers of the ground's force at both joints, in m: what torque resists positive motion
-            at the ends of the moves, in N m, by a newton against the feed. None pushes by default.
+            Levers of the ground's force at both joints at the ends of the moves, in m: the torque
+            against positive motion, in N m, per newton against the feed. By default zero.
 
         Returns
         -------
@@ -165,7 +165,7 @@ class Limits:
         Raises
         ------
         ValueError
-            If the shapes don't fit each other, a length isn't above zero, or ground is below it.
+            If the shapes don't fit each other, a length isn't positive, or ground is negative.
         """
         groove = ground if groove is None else groove
         pushed = np.zeros_like(positions) if pushed is None else pushed
@@ -193,20 +193,20 @@ class Limits:
 
 
 def drawn_oil(axes, positions, rates):
-    """Return the oil that the pump gives both `axes` (n,), in m^3/s, at positions and rates (n, 2).
+    """Return the flow (n,) from the pump to both `axes` at positions and rates (n, 2), in m^3/s.
 
-    In rad and rad/s; of rates by the metre, in rad/m, it is the oil of each metre.
+    These are in rad and rad/s; for rates per metre, in rad/m, the flow is per metre, too.
     """
     drawn = 0.0
     for axis, angle, rate in zip(axes, positions.T, rates.T, strict=True):
-        # The pump fills one side of a cylinder in forward motion, the other in backward motion.
+        # The pump fills one side of a cylinder in forward motion and the other in backward motion.
         forward, backward = axis.linkage.displacements(angle)
         drawn = drawn + np.abs(rate) * np.where(rate > 0, forward, backward)
     return drawn
 
 
 def _check_shapes(moves, **arrays):
-    """Raise ValueError unless arrays have an entry a move, or those of two joints at its ends."""
+    """Raise ValueError unless arrays have one entry a move, or two joints' at the moves' ends."""
     if moves < 2:
         raise ValueError(f"lengths: must be of at least two moves; got {moves}.")
     for name, array in arrays.items():
@@ -221,11 +221,11 @@ def fastest(lengths, square, acceleration, joint_acceleration, turns):
     Parameters
     ----------
     lengths : (m,) float
-        Of the moves, in m.
+        Lengths of the moves, in m.
     square : (m + 1,) float
-        Greatest square of the feed at their ends, in m^2/s^2, by limits of speed.
+        Greatest squares of the feed at their ends by limits of speed, in m^2/s^2.
     acceleration, joint_acceleration : float
-        Of the cutter, in m/s^2, and of each joint, in rad/s^2; infinite for none.
+        Limits of the cutter, in m/s^2, and of each joint, in rad/s^2; infinite for none.
     turns : (3, m + 1, 2) float
         As of `Limits.profile`.
     """
@@ -245,13 +245,13 @@ def fastest(lengths, square, acceleration, joint_acceleration, turns):
         goal = top[i + 1]
         best = top[i]
         g11, g12, g22 = ellipses[i]
-        # Where the line x + step a = goal leaves the ellipse: the greater root of
-        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. It counts on the side of least a alone,
-        # below the middle a = -g12 x / g11 of the chord at x: above, a may still be less.
+        # The line x + step a = goal leaves the ellipse at the greater root of
+        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. The root counts only on the side of least
+        # a, below the middle a = -g12 x / g11 of the chord at x: above, a may still be less.
         p = g11 - 2 * step * g12 + step * step * g22
         h = goal * (step * g12 - g11)
         under = h * h - p * (g11 * goal * goal - step * step * limit)
-        if under >= 0:  # else the line stays within the ellipse, which bounds nothing here
+        if under >= 0:  # otherwise the line doesn't meet the ellipse, which bounds nothing here
             x = (sqrt(under) - h) / p if under < inf else inf
             if x < best and (goal - x) * g11 <= -g12 * x * step:
                 best = x
@@ -261,8 +261,8 @@ def fastest(lengths, square, acceleration, joint_acceleration, turns):
             if 1 - step * d > 0:
                 best = min(best, (goal + step * c) / (1 - step * d))
         top[i] = best
-    # Forwards from rest: the most that ellipse and lines let x grow, but not above what the first
-    # pass allows. Where they leave no growth at all the feed falls, at worst to rest.
+    # Forwards from rest: x grows by the most that ellipse and lines allow, up to the first pass.
+    # Where they allow no growth the feed falls, at worst to rest.
     found = [0.0]
     for i, step in enumerate(steps):
         x = found[-1]
@@ -278,7 +278,7 @@ def fastest(lengths, square, acceleration, joint_acceleration, turns):
 def _ellipses(acceleration, turns):
     """Return g11, g12, g22 (m + 1,) of g11 a^2 + 2 g12 a x + g22 x^2 <= acceleration^2."""
     slope, bend, lever = turns
-    if np.isinf(acceleration):  # any ellipse is within it, also where nothing moves
+    if np.isinf(acceleration):  # any ellipse will do, also where nothing moves
         return np.ones(len(slope)), *np.zeros((2, len(slope)))
     return (
         np.sum((lever * slope) ** 2, -1),
@@ -288,28 +288,28 @@ def _ellipses(acceleration, turns):
 
 
 def _lines(joint_acceleration, turns):
-    """Return c, d (joints, m + 1) of |a + d x| <= c, or none where joints aren't limited."""
+    """Return c, d (joints, m + 1) of |a + d x| <= c, or none if joints aren't limited."""
     slope, bend, _ = turns
     if np.isinf(joint_acceleration):
         return np.zeros((2, 0, len(slope)))
-    # Where a joint hardly moves its limit bounds the feed alone: c and d are great together.
+    # Where a joint hardly moves its limit bounds only the feed: c and d are large together.
     slope = np.where(np.abs(slope.T) < 1e-12, 1e-12, slope.T)
     return joint_acceleration / np.abs(slope), bend.T / slope
 
 
 def _highest(square, acceleration, ellipse, line):
-    """Return the greatest squares (m + 1,) at which any acceleration at all is allowed."""
+    """Return the greatest squares (m + 1,) at which any acceleration is allowed at all."""
     g11, g12, g22 = ellipse
     c, d = line
     with np.errstate(divide="ignore", over="ignore"):
-        # The ellipse has no a beyond x = acceleration / sqrt(g22 - g12^2 / g11).
+        # The ellipse ends at x = acceleration / sqrt(g22 - g12^2 / g11).
         rise = np.sqrt(np.maximum(g22 - g12**2 / g11, 0))
         high = np.minimum(square, acceleration / rise)
     if not len(c):
         return high
     low = np.zeros_like(high)
     top = high
-    # The least a that one limit allows must not be above the most that another does.
+    # The least a that one limit allows must not exceed the most that another allows.
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         under = g11 * acceleration**2 - (g11 * g22 - g12**2) * middle**2

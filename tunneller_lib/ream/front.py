@@ -1,4 +1,4 @@
-"""The ground that the front of a moving ball takes, and how it pushes on both joints."""
+"""The ground that the front of a moving ball removes, and its push on both joints."""
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -8,17 +8,17 @@ from ..removal.volume import removed_volume
 from .moves import levers
 from .outward import gradient
 
-NODES, WEIGHTS = leggauss(6)  # of slices of the ball, on either side of the earlier groove's edge
-SIDE_NODES, SIDE_WEIGHTS = leggauss(200)  # of the ball's radii, from -90 to 90 degrees
+NODES, WEIGHTS = leggauss(6)  # for slices of the ball on each side of the earlier groove's edge
+SIDE_NODES, SIDE_WEIGHTS = leggauss(200)  # for the ball's radii, from -90 to 90 degrees
 HALVINGS = 20  # of the range in which a slice's front leaves the ground
-STRIDE = 1e-4  # m of the section, for the lean of the circuit out of it
+STRIDE = 1e-4  # m along the section, for the lean of the circuit out of its plane
 
 
 def groove_areas(circuit, s, advance=0.0):
-    """Return the ground removed by each metre of the offset section at arc lengths s, in m^2.
+    """Return the volume removed per metre of the offset section of a `circuit` at s, in m^2.
 
-    Beside an earlier pass, an `advance` in m away, or of a whole groove for none. It is that of a
-    cutter on a circle, as great as the bend at its centre.
+    s are arc lengths in m. The groove lies beside an earlier pass, an `advance` in m away, or is a
+    whole one for 0. The cutter is taken to move on a circle with the bend at its centre.
     """
     machine = circuit.machine
     with np.errstate(divide="ignore"):
@@ -27,24 +27,25 @@ def groove_areas(circuit, s, advance=0.0):
 
 
 def _groove(machine, wall, pitch):
-    """Return the ground removed by each metre of a path behind a wall of some radius, in m^2."""
+    """Return the volume removed per metre of a path behind a wall of some radius, in m^2."""
     pitch = None if np.all(pitch == 0) else pitch
     return removed_volume(machine.cutter_radius, 1.0, machine.depth, wall=wall, pitch=pitch)
 
 
 def engaged_areas(circuit, s, advance=0.0):
-    """Return the ground removed by each metre of the circuit (n,), in m^2, at arc lengths s, in m.
+    """Return the volume (n,) removed per metre of a `circuit` at arc lengths s in m, in m^2.
 
-    Beside an earlier pass, an `advance` in m away, or of a whole groove for none. Where the front
-    meets a bend before the centre does it is `front_areas`, elsewhere `groove_areas`, both of a
-    circuit that leans out of the section's plane. By Euler its way is bent by cos^2 of the lean,
-    and the wall by sin^2 across the way, where it makes the groove wider. What is left is 1 % of
-    whole grooves, and 6 % beside an earlier pass, whose groove isn't round about this one.
+    The groove lies beside an earlier pass, an `advance` in m away, or is a whole one for 0. Where
+    the front meets a bend before the centre does it is `front_areas`, elsewhere `groove_areas`,
+    corrected for a circuit that leans out of the section's plane: by Euler's theorem the wall's
+    bend counts along the way by cos^2 of the lean, and across it, where it widens the groove, by
+    sin^2. The error left is 1 % in whole grooves, and 6 % beside an earlier pass, whose groove is
+    no circle about this one.
     """
     machine = circuit.machine
     blends = circuit.profile.blends
     begins = np.mod(s, circuit.profile.perimeter)
-    # Where a blend lies within half of the ball's chord ahead, the front feels it already.
+    # A blend within half of the ball's chord ahead is felt by the front already.
     half = _half_widths(machine, 0.0)
     ahead = [np.searchsorted(blends, begins + way, side="right") for way in (0.0, half)]
     bends = ahead[0] != ahead[1]
@@ -54,54 +55,57 @@ def engaged_areas(circuit, s, advance=0.0):
     straight = _straight(circuit, s)
     flat = _groove(machine, np.inf, advance)
     bent = areas - flat
-    # The bend of a circle on which as much is removed, of a radius of a metre for the unit.
+    # The bend of the circle on which as much is removed, in proportion to one of a metre.
     bend = _at_wall(machine, bent / (_groove(machine, 1 + machine.offset, advance) - flat))
+    # Across the way the wall's bend widens the groove; an earlier pass that leans is nearer.
     wider = _half_widths(machine, bend * (1 - straight)) / half
     nearer = _groove(machine, np.inf, advance * np.sqrt(straight)) / flat
     return (flat + bent * straight) * wider * nearer
 
 
 def _straight(circuit, s):
-    """Return cos^2 (n,) of the lean out of the section's plane, at arc lengths s, in m."""
+    """Return cos^2 (n,) of the lean out of the section's plane at arc lengths s in m."""
     near = s[..., None] + [-STRIDE / 2, STRIDE / 2]
     return (STRIDE / norm(np.diff(circuit.point(near), axis=-2)[..., 0, :])) ** 2
 
 
 def _at_wall(machine, bend):
-    """Return by how much the wall is bent where the offset section is bent so much, in 1/m."""
+    """Return the wall's curvature where the offset section has the curvature `bend`, in 1/m."""
     return bend / (1 + bend * machine.offset)
 
 
 def _half_widths(machine, bend):
-    """Return half of the chord that a wall, bent so much in 1/m, cuts off a ball in a groove."""
-    radius, offset = machine.cutter_radius, machine.offset
-    # How far from the ball's centre both circles meet.
+    """Return half the chord that a wall of curvature `bend` cuts off a ball in a groove, in m."""
+    radius = machine.cutter_radius
+    offset = machine.offset
+    # The distance from the ball's centre to the line through both circles' meeting points.
     middle = (offset - bend * (offset**2 + radius**2) / 2) / (1 - bend * offset)
     return np.sqrt(radius**2 - middle**2)
 
 
 def front_areas(circuit, s, advance=0.0):
-    """Return what the ball's front covers of the plane across its way (n,), in m^2, in the ground.
+    """Return the area (n,) of the plane across the way that the ball's front in the ground covers.
 
-    At arc lengths s (n,), in m: so much is removed for each metre of the offset section. Across the
-    tunnel the ball is cut into circles of radii rho. The front of each is in the ground from the
-    wall's normal on up to the angle at which it leaves it, and covers rho (1 - cos angle).
+    It is in m^2, the volume removed per metre of the offset section at arc lengths s (n,) in m of a
+    `circuit`, with an `advance` as in `engaged_areas`. Planes across the tunnel cut the ball into
+    circles of radii rho. The front of each is in the ground from the wall's normal up to the angle
+    at which it leaves it, and covers rho (1 - cos angle).
     """
     machine = circuit.machine
     profile = circuit.profile
     half = _half_widths(machine, 0.0)
     pitch = min(advance or np.inf, 2 * half)
-    # The groove of the earlier pass reaches to pitch - half, and is as deep as this one at pitch/2.
+    # The earlier groove reaches to pitch - half, and is as deep as this one at pitch/2.
     edges = np.array([-half, pitch - half, pitch / 2])
     lengths = np.diff(edges)[:, None] / 2
     x = (edges[:-1, None] + lengths * (1 + NODES)).ravel()
     rho = np.sqrt(machine.cutter_radius**2 - x**2)
     earlier = np.sqrt(np.maximum(machine.cutter_radius**2 - (pitch - x) ** 2, 0.0))
-    cleared = np.maximum(machine.offset, earlier)  # how far from the offset section no ground is
+    cleared = np.maximum(machine.offset, earlier)  # distance from the offset section to ground
     centre = profile.point(s)[:, None]
     normal = profile.normal(s)[:, None]
     forward = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-    # Halved in, since a section's depth has no inverse.
+    # By bisection, since a section's depth has no inverse.
     low = np.full((len(s), len(x)), -1.0)
     high = np.ones_like(low)  # of the angle's cosine: where the front is in the ground
     for _ in range(HALVINGS):
@@ -115,10 +119,10 @@ def front_areas(circuit, s, advance=0.0):
 
 
 def facing_areas(circuit, s):
-    """Return how much of the ball's front faces the wall (n,), in m^2, at arc lengths s, in m.
+    """Return the area (n,) of the ball's front that faces the wall at arc lengths s in m, in m^2.
 
-    So much more is removed for each metre out of a whole groove: half of the ellipse that the wall
-    cuts off the ball. Where a bend of the wall begins or ends it is that at the centre.
+    It is the volume removed per metre that the ball moves out of a whole groove: half of the
+    ellipse that the wall cuts off the ball of a `circuit`, with the wall's bend at the centre.
     """
     straight = _straight(circuit, s)
     bends = _at_wall(circuit.machine, circuit.profile.curvature(s)) * [straight, 1 - straight]
@@ -126,10 +130,10 @@ def facing_areas(circuit, s):
 
 
 def side_area(circuit, s):
-    """Return what the ball covers of the section's plane in the ground, in m^2.
+    """Return the area of the section's plane that the ball covers in the ground, in m^2.
 
-    At the arc length s, in m: so much ground is in the way of each metre of a step along the
-    tunnel, at most, which the machine takes while the ball stands in its groove.
+    It is the greatest volume in the way per metre of a step along the tunnel, which the machine
+    takes while the ball of a `circuit` stands in its groove at the arc length s in m.
     """
     radius = circuit.machine.cutter_radius
     angles = np.pi / 2 * SIDE_NODES
@@ -149,11 +153,11 @@ def side_area(circuit, s):
 
 
 def push_levers(circuit, ground, s, positions, slopes):
-    """Return the torques (n, 2) that resist positive motion, in N m, by a newton against the feed.
+    """Return the levers (n, 2) of the ground's force: torque per newton against the feed, in m.
 
-    On a `circuit` in a `ground`, at positions (n, 2), in rad, at places s (n,), in m; slopes (n, 2)
-    are those of the positions by the length of way, in rad/m. The force out of the wall goes along
-    with that against the feed.
+    They hold on a `circuit` in a `ground` at `positions` (n, 2) in rad, at places s (n,) in m, with
+    the `slopes` (n, 2) of the positions by the length of way in rad/m. The force out of the wall is
+    in proportion to that against the feed.
     """
     along = levers(circuit.machine.torus, positions) ** 2 * slopes
     return along + ground.normal * gradient(circuit, s, positions)

@@ -1,7 +1,7 @@
-"""What loads that the controller doesn't know leave on the wall: the shared arm, the ground.
+"""What loads that the controller doesn't know leave on the wall: the shared arm and the ground.
 
-The faults take a `Case` and return the overbreak (ticks + 1,), in m, and its closed form, as those
-of the module `faults`.
+The faults take a `Case` and return the overbreak (ticks + 1,), in m, and its closed form, like
+those of the module `faults`.
 """
 
 from dataclasses import replace
@@ -18,17 +18,17 @@ from .sensitivity import planned_motion
 
 SHAPE = 200, 360  # rays of the ground that laps are run in
 THICKNESS = 0.1  # m
-HALVES = 30  # steps to the torque of the ground that is left, each halfway
+HALVES = 30  # damped steps to the torque of the ground that is removed
 
 
 @lru_cache(6)
 def loaded_lap(plan, plant, loop, arm, ground):
-    """Return the overbreak (ticks + 1,), in m, of a lap of a `plan` under loads.
+    """Return the overbreak (ticks + 1,) of a lap of a `plan` under loads, in m.
 
-    Each `plant` is under its `loop`, both joints share an `arm`, and a `ground` pushes; either is
-    None where it doesn't. It is kept, since sources of a budget compare the same laps.
+    Each `plant` is under its `loop`, both joints share an `arm`, and a `ground` pushes; either may
+    be None. The answer is kept, since several sources of a budget compare the same laps.
     """
-    # To the tick at which the cutter rests in the ground between them all laps are the same.
+    # All laps begin and end with the cutter at rest in the ground, so one stands for all.
     wanted = plan.circuit.position(plan.places)
     rates = np.diff(wanted, axis=0) / plan.tick
     push = None
@@ -41,9 +41,9 @@ def loaded_lap(plan, plant, loop, arm, ground):
 
 
 def arm_fault(case):
-    """Return what an arm leaves that both joints share; the controller models a part.
+    """Return what is left by the arm that both joints share, of which the controller models a part.
 
-    The closed form is that of slow motion under the weight that the axes' own doesn't have.
+    The closed form is that of slow motion under the weight that the axes' own models lack.
     """
     given = case.plan, case.plant, case.loop
     at = planned_motion(case.plan).position
@@ -54,7 +54,7 @@ def arm_fault(case):
 
 
 def ground_fault(case):
-    """Return what the ground's mean force leaves, on whole grooves as those of a first lap.
+    """Return what is left by the ground's mean force on whole grooves, as in a first lap.
 
     The closed form is that of slow motion, see `held_back`.
     """
@@ -66,18 +66,19 @@ def ground_fault(case):
 
 
 def picks_fault(case):
-    """Return what the picks' ripple leaves, beyond their mean force.
+    """Return what is left by the picks' ripple beyond their mean force.
 
-    The closed form is the linear answer of arm, oil and loop to the ripple's frequency at each
-    place, and the mean that is left of the ripple times the speed's own swing.
+    The closed form is the linear answer of arm, oil and loop at the ripple's frequency at each
+    place, and the mean of the product of the ripple and the speed's own swing.
     """
     given = case.plan, case.plant, case.loop
-    plan, ground = case.plan, case.ground
+    plan = case.plan
+    ground = case.ground
     torque = _left_torques(*given, ground)
     swing = -ground.ripple * _answers(*given, ground, case.arm, torque)  # rad
     fast = np.abs(np.sum(planned_motion(plan).slope * swing, axis=-1))
-    # The ripple's force goes with what the front takes, which swings against it: of their product
-    # a mean is left, by which the pulsating force is below the steady one.
+    # The ripple multiplies the removal, which swings against it: their product has a mean, by which
+    # the pulsating force is below the steady one.
     rate = (2j * np.pi * ground.ripple_frequency * swing).real
     less = ground.ripple / 2 * np.einsum("nij,nj->ni", _dampers(plan, ground), rate)
     slow = pushed_off(*given, torque + less) - pushed_off(*given, torque)
@@ -87,20 +88,20 @@ def picks_fault(case):
 
 
 def held_back(plan, plant, loop, ground):
-    """Return how far (m,), in m, slow axes are off amid a plan's moves by a `ground`'s mean force.
+    """Return how far (m,) the `ground`'s mean force puts slow axes off amid a plan's moves, in m.
 
-    Of each `plant` under its `loop`. It is `pushed_off` with the ground that is left: a cutter that
-    is off by e, negative where it is held back, takes a groove of the depth h + e in the place of
-    h, and the section of a groove goes with the depth's power 3/2.
+    It is `pushed_off` for each `plant` under its `loop` with the ground that is really removed: a
+    cutter that is off by e, negative if it is held back, cuts a groove of depth h + e in place of
+    h, and the section of a groove goes with the power 3/2 of its depth.
     """
     return pushed_off(plan, plant, loop, _left_torques(plan, plant, loop, ground))
 
 
 def _left_torques(plan, plant, loop, ground):
-    """Return the `ground_torques` (m, 2) of the ground that is taken, see `held_back`."""
+    """Return the `ground_torques` (m, 2) of the ground that is really removed; see `held_back`."""
     torque = ground_torques(plan, ground)
-    # A held-back cutter takes less ground, which holds it back less: halfway each time, for whole
-    # steps may swing about the answer.
+    # A held-back cutter removes less ground, which holds it back less. Each step goes halfway,
+    # since whole steps may oscillate about the answer.
     left = torque
     for _ in range(HALVES):
         off = pushed_off(plan, plant, loop, left)
@@ -110,12 +111,12 @@ def _left_torques(plan, plant, loop, ground):
 
 
 def pushed_off(plan, plant, loop, torque):
-    """Return how far (m,), in m, slow axes are off amid a plan's moves under a torque (m, 2).
+    """Return how far (m,) slow axes are off amid a plan's moves under a torque (m, 2), in m.
 
-    The `torque`, in N m, resists positive motion of each `plant` under its `loop`.
-    The static inverse opens the valve for the rate w, as if nothing pushed. What the torque takes
-    of the pressure, and what it drives through the leaks, the loop has to add by its error: with
-    the drive d that lands and friction have without the torque,
+    The `torque`, in N m, resists positive motion of each `plant` under its `loop`. The static
+    inverse opens the valve for the rate w as if nothing pushed. The loop's error e must make up for
+    the pressure that the torque takes, and for the oil that it drives through the leaks: with the
+    pressure d that lands and friction have without the torque,
 
         Kv e = w (sqrt(d / (d - torque / D)) - 1) + leaks torque / D^2.
     """
@@ -130,16 +131,16 @@ def pushed_off(plan, plant, loop, torque):
             left = np.maximum(drive - sign * torque[:, i] / D, 1e-3 * drive)
             behind = behind + sign * forward * (np.sqrt(drive / left) - 1)
         plus, minus = axis.linkage.displacements(at[:, i])
-        # Of a torque both chambers carry a half, and each has three leaks: two lands, the piston.
+        # Each chamber carries half of the torque, and has three leaks: two lands and the piston.
         leaks = 4 * (axis.piston_leak + axis.valve_leak) / (plus + minus) ** 2
         off = off - slope[:, i] * (behind + leaks * torque[:, i]) / control.gain
     return off
 
 
 def ground_torques(plan, ground):
-    """Return the torques (m, 2) of a `ground`'s mean force amid a plan's moves, in N m.
+    """Return the torques (m, 2) against positive motion of a `ground`'s mean force, in N m.
 
-    They resist positive motion.
+    They hold amid a plan's moves.
     """
     place, at, rate, _, slope = planned_motion(plan)
     along = levers(plan.circuit.machine.torus, at)
@@ -149,12 +150,12 @@ def ground_torques(plan, ground):
 
 
 def _dampers(plan, ground):
-    """Return how torques on joints i grow with the rates of swings of joints j (m, 2, 2), in N m s.
+    """Return the torques on joints i per rate of swings of joints j (m, 2, 2), in N m s.
 
-    On whole grooves, amid a plan's moves. The front takes more where the cutter swings
-    ahead, by its section across the way, and where it swings out of the wall, by what faces that.
-    Of the force along the way that is the way's part; that across is its share `normal`. A swing
-    across the way also turns the force.
+    They hold in whole grooves amid a plan's moves. The front removes more if the cutter swings
+    ahead, by its section across the way, and if it swings out of the wall, by the area that faces
+    the wall. The force across the way is the share `normal` of the one along it. A swing across the
+    way also turns the force.
     """
     circuit = plan.circuit
     middle, at, rate, _, out = planned_motion(plan)
@@ -171,19 +172,19 @@ def _dampers(plan, ground):
 
 
 def _answers(plan, plant, loop, ground, arm, torque):
-    """Return the complex answers (m, 2) of both joints, in rad, to torques (m, 2) of the picks.
+    """Return the complex answers (m, 2) of both joints to torques (m, 2) of the picks, in rad.
 
-    Of small swings about the planned motion amid a plan's moves, at s = i w of the picks: a side
-    of a cylinder with displacement D, volume V and pressure lost p at its land, under a flow c x
-    sqrt(p) and leaks l, has the compliance C = V s / bulk + c x / (2 sqrt(p)) + l, and the joint
+    They are small swings about the planned motion amid a plan's moves, at s = i w of the picks. A
+    side of a cylinder with displacement D, volume V, pressure drop p at its land, flow c x sqrt(p)
+    and leaks l has the compliance C = V s / bulk + c x / (2 sqrt(p)) + l, and the joint
 
         torque / angle = J s^2 + b s + sum(D^2 s / C) + G(s) sum(D c sqrt(p) / C),
 
-    where the loop G opens the spool for the rate gain e, after its delay, half a tick and its lag.
-    The ground damps both joints together.
+    where the loop G opens the spool for the rate gain e, after its delay, half a tick and the
+    spool's lag. The ground damps both joints together.
     """
     _, at, rates, _, _ = planned_motion(plan)
-    if not ground.ripple_frequency:  # no ripple; and no loop leaves a lasting error to the oil
+    if not ground.ripple_frequency:  # no ripple
         return np.zeros_like(at)
     s = 2j * np.pi * ground.ripple_frequency
     inertias = [one.axis.inertia for one in plant] if arm is None else arm.inertias(at[:, 1])
@@ -197,11 +198,11 @@ def _answers(plan, plant, loop, ground, arm, torque):
         D, rho, load = np.where(rate > 0, forward, backward)
         sign = np.where(rate > 0, 1.0, -1.0)
         resisted = load + sign * (axis.damping * rate + torque[:, i])
-        # What the load leaves of the supply is lost at both lands of the spool, as the squares of
-        # their flows: rho^2 as much at the emptied side, whose area makes it rho times that again.
+        # The supply less the load drops at both lands of the spool as the squares of their flows:
+        # rho^2 times as much at the emptied side, which acts on an area rho times as large.
         drive = axis.supply - rho * axis.tank - resisted / D
         lost = np.maximum(drive, 1e-3 * axis.supply) / (1 + rho**3)  # at the side that is filled
-        # How far the planned motion opens the spool, and how far each rad/s more would.
+        # The opening of the planned motion, and that for each further rad/s.
         opened = np.abs(rate) * D / (axis.flow * np.sqrt(lost))
         opening = D / (axis.flow * np.sqrt(lost))
         # The loop sees the swing late, and the spool lags behind the loop.

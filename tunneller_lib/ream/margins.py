@@ -1,9 +1,8 @@
-"""Whether a machine can do a planned cut: what it has, and needs, of torque, gain, oil, stroke.
+"""Whether a machine can do a planned cut: the torque, gain, oil and stroke that it has and needs.
 
-And whether picks that cut what the picks before them left would drive the oil's resonance.
+Also whether picks that follow each other in one track would drive the oil's resonance.
 """
 
-import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -21,25 +20,25 @@ from .planning import Plan
 
 JOINTS = "theta", "phi"
 ACTUATORS = "lift", "swing"
-SECOND = 1.0  # s, over which the head's power is a mean: a motor has as much to spare
+SECOND = 1.0  # s, over which the head's power is averaged, as a motor bears for so long
 PLACES = 41  # of the circuit, at which oil and loop are looked at
-FREQUENCIES = np.linspace(0.2, 60.0, 20_000)  # Hz, at which a joint may swing up
-FEW = 21  # places of the circuit, at which that is looked for
+FREQUENCIES = np.linspace(0.2, 60.0, 20_000)  # Hz, at which chatter is looked for
+FEW = 21  # places of the circuit, at which chatter is looked for
 
 
 class Margin(NamedTuple):
-    """What a machine has of something, and what a cut needs of it.
+    """The amount of something that a machine has and that a cut needs.
 
     Parameters
     ----------
     what : str
-        What is compared, as "gain of theta".
+        The thing that is compared, such as "gain of theta".
     has, needs : float
-        How much of it the machine has, and how much the cut needs.
+        The amount that the machine has, and that the cut needs.
     unit : str
-        Of both.
+        The unit of both.
     remedy : str
-        What would do where it has too little, the end of a sentence.
+        End of a sentence about what would do if the machine has too little.
     """
 
     what: str
@@ -62,12 +61,12 @@ class Margin(NamedTuple):
 
 @checked
 def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
-    """Return the margins of both loops on a circuit, before anything is planned.
+    """Return the margins of both loops on a circuit, for which no plan is needed.
 
     Parameters
     ----------
     circuit : Circuit
-        Which both joints follow.
+        The circuit that both joints follow.
     plant : Plant or a pair of them
         The axes theta and phi, which must have cylinders.
     loop : Loop or a pair of them
@@ -76,19 +75,19 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
     Returns
     -------
     margins : list of Margin
-        Of each joint the gain in 1/s, at its least limit along the circuit, and the resonance in
-        Hz, at its least, of which 2 zeta times as much must be above the gain.
+        Of each joint the gain, with its least limit along the circuit, in 1/s, and the resonance,
+        with its least along the circuit, in Hz: 2 zeta w must exceed the gain.
     """
     axes = _cylinders(plant)
     at = circuit.position(np.linspace(0, circuit.profile.perimeter, PLACES))
     found = []
-    # A loop about an integrator and a resonance w with ratio zeta is stable up to Kv = 2 zeta w: so
-    # the gain needs at least the resonance Kv/(2 zeta), which the second row says in Hz.
+    # A loop about a resonance w with ratio zeta is stable up to Kv = 2 zeta w, so the gain needs at
+    # least the resonance Kv/(2 zeta), which the second row gives in Hz.
     lower = "a lower [controller] gain, or [hydraulics] with more damping, a greater bore, "
     hose = lower + "a smaller hose, would do"
     lighter = lower + "a lighter head or arm, would do"
     for name, one, control, axis, angle in zip(JOINTS, plant, loop, axes, at.T, strict=True):
-        limit = _known_limit(one, control, tuple(angle.tolist()))
+        limit = gain_limit(one, control, angle)
         least = float(np.min(axis.natural_frequency(angle)))
         ratio = axis.damping / (2 * axis.inertia * least)
         hertz = least / (2 * np.pi)
@@ -100,24 +99,24 @@ def gain_margins(circuit: Circuit, plant: Plants, loop: Loops):
 
 @checked
 def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
-    """Return what the machine has and what a planned cut needs, each as a `Margin`.
+    """Return what the machine has and a planned cut needs, as `Margin`s.
 
     Parameters
     ----------
     plan : Plan
-        What is to be done; the ground that pushes is that of its limits.
+        The plan to run; its limits have the ground that pushes.
     plant : Plant or a pair of them
         The axes theta and phi, which must have cylinders.
     loop : Loop or a pair of them
         Their position loops, with the plan's tick, without integral.
     sizes : Sizes
-        Of the hydraulics.
+        The sizes of the hydraulics.
 
     Returns
     -------
     margins : list of Margin
-        Torque of both joints against the ground at the place where least is left, in N m; gain and
-        resonance; the pump's oil, in m^3/s; and the stroke that the shortest cylinder holds, in m.
+        Torque of both joints against the ground at the worst place, in N m; gain and resonance; the
+        pump's flow, in m^3/s; and the stroke that each cylinder holds at its shortest, in m.
 
     Raises
     ------
@@ -157,24 +156,24 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
 
 @checked
 def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
-    """Return the greatest power, openings and flow that the laps of a simulated cut took.
+    """Return the greatest power, valve openings and flow in the laps of a simulated cut.
 
     Parameters
     ----------
     plan : Plan
-        What was to be done; power and ground are those of its limits.
+        The plan that was run; its limits have the power and the ground.
     plant : Plant or a pair of them
         The axes theta and phi.
     cut : Cut
-        Of that plan, with its track.
+        A cut of that plan, with its track.
     sizes : Sizes
-        Of the hydraulics.
+        The sizes of the hydraulics.
 
     Returns
     -------
     margins : list of Margin
-        The head's power as a mean over a second, in W, if the plan has a limit of it; the valves'
-        openings, as shares; and, of axes with cylinders, the pump's oil in a tick, in m^3/s.
+        The head's mean power over a second, in W, if the plan limits it; the valves' openings, as
+        shares; and, of axes with cylinders, the pump's flow in a tick, in m^3/s.
 
     Raises
     ------
@@ -182,7 +181,7 @@ def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
         If the cut has no track.
     """
     if cut.track is None:
-        raise ValueError("cut: must be of simulated loops; got one without a track.")
+        raise ValueError("cut: must have a track, as by `simulate`; got one without.")
     limits = plan.limits
     slower = "a lower [limits] feed or power would do"
     found = []
@@ -205,7 +204,7 @@ def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
 
 
 def _cylinders(plant):
-    """Return the `Hydraulics` of both plants, which must have them."""
+    """Return the `Hydraulics` of both plants, each of which must have them."""
     axes = [one.hydraulics for one in plant]
     if None in axes:
         lacking = plant[axes.index(None)]
@@ -213,20 +212,14 @@ def _cylinders(plant):
     return axes
 
 
-@functools.lru_cache(8)
-def _known_limit(plant, loop, angles):
-    """Return `gain_limit`, which a job asks for before it is planned and once more afterwards."""
-    return gain_limit(plant, loop, angles)
-
-
 def _torques(axis, angle, torque):
-    """Return the torque that the oil can give and that which it must, in N m, at the worst place.
+    """Return the torque that the oil can give beside the weight, and the needed one, in N m.
 
-    What it can give is beside the weight; the worst place has the least ratio of both.
+    They are those of the place at which their ratio is least.
     """
     has = np.full(angle.shape, np.inf)
     for sign, (D, rho, load) in zip((1, -1), axis.sides(angle), strict=True):
-        # At rest the full supply is on the filled side, the tank's pressure on the emptied one.
+        # At rest the filled side has the full supply, the emptied one the tank's pressure.
         can = D * (axis.supply - rho * axis.tank) - load
         has = np.where(sign * torque > 0, can, has)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -235,22 +228,22 @@ def _torques(axis, angle, torque):
 
 
 def chatter_limit(plant, loop, angle, lever, picks):
-    """Return from which damper of the ground on a joint swings up, in N s/m, and at what frequency.
+    """Return the damper of the ground from which a joint chatters, in N s/m, and the frequency.
 
-    The force over the feed's speed is the damper, E A / u, only in slow motion. If each pick cuts
-    exactly what the one before it left, a time t = 1 / `picks` earlier, a swing x of the cutter
-    along its way meets the force damper (x - x(t earlier)) / t, which drives swings
-    of one half to one of the picks' frequency, of three halves to two, and so on. On a `lever`, in
-    m, at a joint `angle`, in rad, and with the valve hardly open, where oil damps least, the joint
-    answers a torque by 1 / Z:
+    Only in slow motion the force per speed is the damper E A / u. If each pick cuts exactly what
+    the one before it left, a time t = 1 / `picks` earlier, a swing x of the cutter along its way
+    meets the force damper (x - x(t earlier)) / t, which drives swings from one half to one times
+    the picks' frequency, from three halves to two times, and so on. On a `lever` in m, at a joint
+    `angle` in rad, and with the valve hardly open, where the oil damps least, the joint answers a
+    torque by 1 / Z:
 
         Z = J s^2 + b s + J w^2 (1 + Kv exp(-late s) / (s (1 + lag s))),
 
-    and swings up from the least damper for which, at some s = 2 pi i f,
+    and chatters from the least damper for which, at some s = 2 pi i f,
 
         Z + lever^2 damper (1 - exp(-s t)) / t = 0.
 
-    Dry friction and leaks, which damp, and picks out of step are left out.
+    Dry friction, leaks, which damp, and picks that aren't in step are left out.
 
     Parameters
     ----------
@@ -259,14 +252,14 @@ def chatter_limit(plant, loop, angle, lever, picks):
     loop : Loop
         Its position loop, without integral.
     angle, lever : float
-        In rad and m.
+        Joint angle in rad and lever in m.
     picks : float
-        How many picks cut in a second, one in the track of the other, in Hz.
+        Frequency at which picks cut, each in the track of the one before, in Hz.
 
     Returns
     -------
     damper, frequency : float
-        In N s/m and Hz; infinite and 0 where nothing up to 60 Hz swings up.
+        In N s/m and Hz; infinite and 0 if there is no chatter up to 60 Hz.
     """
     axis = plant.axis
     s = 2j * np.pi * FREQUENCIES
@@ -275,7 +268,7 @@ def chatter_limit(plant, loop, angle, lever, picks):
     steered = loop.gain * np.exp(-s * late) / (s * (1 + s * axis.valve_lag))
     stiff = axis.inertia * s**2 + axis.damping * s + spring * (1 + steered)
     needed = -stiff / (lever**2 * picks * (1 - np.exp(-s / picks)))
-    # Where it is real a damper can be it; at whole multiples of the picks' frequency it is a pole.
+    # A damper is real. Sign changes at poles, whole multiples of the picks' frequency, don't count.
     turns = np.flatnonzero(np.diff(np.sign(needed.imag)))
     real = needed.real[turns]
     near = np.abs(np.diff(needed.imag)[turns]) < np.abs(real)
@@ -287,16 +280,16 @@ def chatter_limit(plant, loop, angle, lever, picks):
 
 
 def chatter_margins(plan, plant, loop):
-    """Return the dampers that both joints bear on a circuit if the picks are in step, as `Margin`s.
+    """Return the dampers that both joints bear on a circuit with picks in step, as `Margin`s.
 
-    Needed is the damper E A / u of the ground where the front of the ball takes most, in N s/m.
+    The needed one is the damper E A / u of the ground where the ball's front is largest, in N s/m.
 
     Parameters
     ----------
     plan : Plan
-        What is to be done, in ground whose ripple has the picks' frequency.
+        The plan to run, in ground whose ripple has the picks' frequency.
     plant, loop : pair of Compressible and of Loop
-        Of theta and phi.
+        The axes theta and phi, and their loops.
     """
     circuit = plan.circuit
     ground = plan.limits.ground

@@ -1,4 +1,4 @@
-"""From machine, section and tolerance to knots, setpoints, feed and set-values."""
+"""The plan of a cut: from machine, section and tolerance to knots, setpoints and set-values."""
 
 from dataclasses import dataclass, replace
 
@@ -15,15 +15,15 @@ from .pose import Pose
 from .route import Route, path_points, route_through
 
 LONGEST_REST = 1e4  # s
-PLACES = 2000  # of a lap, at which limits are kept
-LEAST_PIECES = 8  # into which the way between two knots is divided for that
-CORNER_PLACES = 33  # of a rounded corner, at which limits are kept
-EASED = 1.0005  # times a limit: where no more than this is used, the rest is left to a slower run
-EASINGS = 6  # tightenings of the limits, at most
+PLACES = 2000  # of a lap, at which the limits are kept
+LEAST_PIECES = 8  # into which the way between two knots is divided at least
+CORNER_PLACES = 33  # of a rounded corner, at which the limits are kept
+EASED = 1.0005  # times a limit; an excess below this is left to a slower run
+EASINGS = 6  # most tightenings of the limits
 MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
-GENTLY = 0.1  # of the acceleration, on entry: what the axes overshoot there is overbreak
-MOST_TICKS = 5_000_000  # of all laps
+GENTLY = 0.1  # of the acceleration, on entry, where an overshoot of the axes is overbreak
+MOST_TICKS = 5_000_000  # in all laps
 
 
 Run = Array("(n, 2) float", "rad", last="theta, phi")
@@ -33,36 +33,36 @@ Tick = Number(LEAST, MOST, "s")
 
 @dataclass(frozen=True, eq=False)
 class Plan(Moves):
-    """A planned cut: the moves of one lap, the same in every lap, its last move the rest.
+    """A planned cut: the moves of one lap, which all laps repeat; the last move is the rest.
 
     Parameters
     ----------
     circuit : Circuit
         The wanted path of the cutter's centre.
     limits : Limits
-        Of the motion.
+        The limits of the motion.
     knots : (n,) float
         Arc lengths of the knots along the offset section, in m.
     route : Route
-        The way through the knots, its corners rounded, on which the setpoints are.
+        The way through the knots with rounded corners, on which the setpoints are.
     s : (m + 1,) float
         Arc lengths of the setpoints along the offset section, in m.
     feed : (m + 1,) float
-        Of the cutter's centre at the setpoints, in m/s.
+        Feed of the cutter's centre at the setpoints, in m/s.
     reached : (ticks + 1,) float
-        Length of way that is planned for each tick, in m; setpoints are where some of them are.
+        Planned length of way at each tick, in m; the setpoints are at some of them.
     entry, leave : Moves
-        From where the cutter is clear of the ground to the lap's begin, and back.
+        Moves from a position clear of the ground to the lap's begin, and back.
     back : (k + 1,) float
-        How far the machine has stepped back by each of the last k ticks of a lap, in m.
+        How far the machine has stepped back at each of the last k ticks of a lap, in m.
     laps : int
-        How often the circuit is run.
+        Number of laps.
     advance : float
         Step of the machine out of the tunnel, towards -x, after each lap but the last, in m.
     straight_time : float
         Time of a lap without its rest if corners and bends cost no feed, in s.
     clearances : list of PartClearance
-        How far arm, holder, box and cutter keep from the wall.
+        The clearances of arm, holder, box and cutter from the wall.
     path : {"projected chord", "corrected chord"}
         Which of `CHORD_PATHS` joins the knots.
     """
@@ -85,18 +85,18 @@ class Plan(Moves):
 
     @property
     def places(self):
-        """Return the arc lengths (ticks + 1,) along the offset section, in m, of each tick."""
+        """Return the arc lengths (ticks + 1,) along the offset section at each tick, in m."""
         ends = np.concatenate([[0], np.cumsum(self.ticks)])
         return np.interp(np.arange(ends[-1] + 1), ends, self.s)
 
     @property
     def lap_time(self):
-        """Return the time of a lap, in s, its rest and the step at the end included."""
+        """Return the time of a lap, including its rest and the step at its end, in s."""
         return self.tick * int(self.ticks.sum())
 
     @property
     def times(self):
-        """Return the times of the parts of a lap, then of the whole job, a dict of s."""
+        """Return the times of the parts of a lap and of the whole job in s, as a dict."""
         step = self.tick * (len(self.back) - 1)
         rest = self.tick * int(self.ticks[-1]) - step
         entry, leave = (self.tick * int(moves.ticks.sum()) for moves in (self.entry, self.leave))
@@ -112,10 +112,10 @@ class Plan(Moves):
 
     @property
     def shares(self):
-        """Return how much of each limit the exact slopes of a lap use: a dict of shares, at most 1.
+        """Return the shares of the limits that the exact slopes of a lap use, at most 1, as a dict.
 
-        Before setpoints are rounded. Speeds are those amid the moves. An acceleration is the change
-        of slope from move to move, in a single tick. A limit that is infinite is used by 0.
+        The setpoints aren't rounded yet. Speeds are taken amid the moves; an acceleration is the
+        change of slope from move to move, within a single tick. An infinite limit is used by 0.
         """
         torus = self.circuit.machine.torus
         ends = self.setpoints
@@ -149,12 +149,12 @@ class Plan(Moves):
         position : (n, 2) float
             Joint positions at every tick of one lap or of all, in rad.
         pose : Pose, optional
-            Where the machine stands instead of where it should.
+            By how much the machine stands elsewhere than planned.
 
         Returns
         -------
         centres : (n, 3) float
-            In m.
+            Centres, in m.
         """
         torus = self.circuit.machine.torus
         centre = self.circuit.in_tunnel(torus.point(position[:, 0], position[:, 1]))
@@ -181,38 +181,39 @@ def plan(
     blend: Length | None = None,
     clearance: Length0 = 5e-3,
 ):
-    """Return how a machine is to cut a section, refused where it can't.
+    """Return the `Plan` by which a machine cuts a section, or refuse what it can't do.
 
     Parameters
     ----------
     circuit : Circuit
-        From `cutting_circuit`: machine, section and pose, within the joint limits.
+        The circuit, from `cutting_circuit`, with machine, section and set-up.
     limits : Limits
-        Of the feed.
+        The limits of the motion.
     tolerance : float
-        Largest over- or underbreak of the paths between knots, in m, that decides their number.
-        Moves and counts add theirs, see `budget`.
+        Largest over- or underbreak of the paths between knots, in m, which decides their number.
+        Moves and counts add theirs; see `budget`.
     step : float
-        Greatest distance of the setpoints, in m: what the slow task prepares and the fast one joins
-        by integer lines. Where the feed or the direction changes moves are shorter.
+        Greatest distance between setpoints, in m, which the slow task prepares and the fast one
+        joins by integer lines. Where the feed or the direction changes the moves are shorter.
     tick : float
         Period of the fast task, in s.
     count : float
         Angle of a count of both joints, in rad.
     rest : float
-        Time for which the last set-value of a lap is held, in s, before the machine steps.
+        Time for which the last set-value of a lap is held before the machine steps, in s.
     laps : int
-        How often the circuit is run.
+        Number of laps.
     advance : float
         Step of the machine out of the tunnel, towards -x, after each lap, in m.
     arm_radius : float
-        Of a round-ended rod about the arm, in m, that must stay clear of the intact wall.
+        Radius of a round-ended rod about the arm that must stay clear of the intact wall, in m.
     path : {"projected chord", "corrected chord"}
-        Which of `CHORD_PATHS` joins the knots: the paper's, or the one next to a geodesic.
+        The one of `CHORD_PATHS` that joins the knots: the paper's, or the one next to a geodesic.
     blend : float, optional
-        By how much the rounded corners may miss their knots, in m; half the tolerance by default.
+        Distance by which rounded corners may miss their knots, in m; by default half the
+        tolerance.
     clearance : float
-        Between cutter and intact ground where it enters and where it leaves, in m.
+        Clearance between the cutter and the intact ground at the begin and the end, in m.
 
     Returns
     -------
@@ -222,15 +223,15 @@ def plan(
     Raises
     ------
     ValueError
-        If an argument is out of its range; if the arm, or the holder or box of the machine's body,
-        is in the wall, with the place; if a tick at full feed goes farther than a step, or there
-        would be too many ticks.
+        If an argument is out of its range; if the arm, or the holder or the box of the machine's
+        body, is in the wall; if a tick at full feed goes farther than a step; or if there would be
+        too many ticks.
 
     Notes
     -----
     The way is run as fast as all limits allow, sampled at whole ticks, and divided into straight
-    moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`): they
-    are equal where the feed is constant. Where sampling exceeds a limit the whole lap is slowed.
+    moves of whole ticks, as long as `step` and the acceleration allow (`moves.move_lengths`). If
+    the samples exceed a limit the whole lap is slowed.
 
     Examples
     --------
@@ -254,6 +255,7 @@ def plan(
         way, circuit, limits, advance if laps > 1 else 0.0, tick
     )
     back = _stepping(circuit, limits, advance, tick) if laps > 1 else np.zeros(1)
+    # The rest holds at least one tick, and the machine steps in its last ones.
     held = max(round(rest / tick), 1) + len(back) - 1
     total = int(min(np.ceil(moment[-1] / tick), 2.0**60)) + held
     if total * laps > MOST_TICKS:
@@ -269,14 +271,14 @@ def plan(
             f"got {step:g} m, for which the feed may be {step / tick:.4g} m/s."
         )
     positions = way.at(along)
-    positions[-1] = positions[0]  # not off by a rounding
+    positions[-1] = positions[0]  # from which it differs by rounding
     ticks = move_lengths(along, strains(torus, positions, tick, limits), step)
     ends = np.concatenate([[0], np.cumsum(ticks)])
     feed = np.gradient(along, tick)
     feed[[0, -1]] = 0
     entry = _entry(circuit, positions[0], limits, clearance, step, tick, count)
     return Plan(
-        # The rest is a move that doesn't move.
+        # The rest is a move from the last setpoint to itself.
         setpoints=positions[np.append(ends, ends[-1])],
         ticks=np.append(ticks, held),
         tick=tick,
@@ -300,9 +302,9 @@ def plan(
 
 
 def _eased(way, circuit, limits, advance, tick):
-    """Return lengths of way (k + 1,), the feed there, when, and the time without turning, in s.
+    """Return lengths of way (k + 1,), feeds and moments there, and the time without turning in s.
 
-    Limits of acceleration are tightened where the run between two places leaves them.
+    The limits of acceleration are tightened where the run between two places exceeds them.
     """
     length = _places(way)
     at = way.at(length)
@@ -317,12 +319,12 @@ def _eased(way, circuit, limits, advance, tick):
         speed = limits.profile(moves, at, **load, turns=eased)
         moment = _moments(moves, speed)
         if not tick * MOST_TICKS > moment[-1]:
-            break  # refused for its ticks
+            break  # `plan` refuses so many ticks
         i, along = _sampled(length, speed, moment, tick)
         strain = strains(torus, way.at(along), tick, limits)
         if strain.max() <= EASED:
             break
-        # Between two places the run leaves a limit that both keep: theirs is tightened by as much.
+        # Between two places the run may exceed a limit that both keep, which is then tightened.
         worse = np.ones_like(length)
         for place in (i, i + 1):
             np.maximum.at(worse, place, strain)
@@ -331,10 +333,10 @@ def _eased(way, circuit, limits, advance, tick):
 
 
 def _loads(way, circuit, limits, advance, length):
-    """Return what the ground asks of the moves between lengths of way (k + 1,), for `profile`."""
+    """Return the ground's arguments of `profile` for moves between lengths of way (k + 1,)."""
     places = way.place(length)
     middle = (places[1:] + places[:-1]) / 2
-    # How much ground is met takes a quarter of a plan's time, and only a limit of it asks.
+    # The areas take a quarter of a plan's time, and only a limit of the volume needs them.
     limited = limits.volume < np.inf
     load = {"ground": engaged_areas(circuit, middle, advance) if limited else np.zeros_like(middle)}
     if limits.ground is not None:
@@ -345,8 +347,8 @@ def _loads(way, circuit, limits, advance, length):
 
 
 def _moments(moves, speed):
-    """Return when (k + 1,) the ends of moves (k,) are reached, in s, at a speed (k + 1,) there."""
-    # The feed changes evenly in time over a move, so that its mean is that of both ends.
+    """Return the moments (k + 1,) in s at which moves (k,) end that have a speed (k + 1,) there."""
+    # The feed changes evenly in time over a move, so its mean is that of both ends.
     return np.concatenate([[0.0], np.cumsum(2 * moves / (speed[1:] + speed[:-1]))])
 
 
@@ -354,28 +356,28 @@ def _sampled(length, speed, moment, tick):
     """Return the place before each whole tick, and the lengths of way (ticks + 1,) there."""
     time = tick * np.arange(max(np.ceil(moment[-1] / tick - 1e-9), 1.0) + 1)
     i = np.clip(np.searchsorted(moment, time, side="right") - 1, 0, len(moment) - 2)
-    # Of constant acceleration between two places. The feed may be that of a slower run.
+    # At constant acceleration between two places, also if the run is slower than its feed.
     share = np.minimum((time - moment[i]) / (moment[i + 1] - moment[i]), 1.0)
     mean = (speed[i] + (speed[i + 1] - speed[i]) * share / 2) / (speed[i] + speed[i + 1])
     return i, length[i] + 2 * (length[i + 1] - length[i]) * share * mean
 
 
 def _places(way):
-    """Return lengths of way (k + 1,) at which limits are kept, closer where corners are rounded."""
+    """Return the lengths of way (k + 1,) at which limits are kept, denser at rounded corners."""
     pieces = np.maximum(LEAST_PIECES, np.ceil(np.diff(way.ends) * PLACES / way.length)).astype(int)
     spans = zip(way.ends[:-1], way.ends[1:], pieces, strict=True)
     even = [np.linspace(a, b, n, endpoint=False) for a, b, n in spans]
     rounded = way.ends[:, None] + way.halves[:, None] * np.linspace(-1, 1, CORNER_PLACES)
     every = np.concatenate([*even, rounded.ravel(), [way.length]])
     length = np.unique(every.clip(0, way.length))
-    # Places that are one but for rounding count once, the first of them, or the way's end.
+    # Of places that differ by rounding only the first counts, or the way's end.
     least = 1e-9 * way.length
     length = length[(np.diff(length, prepend=-np.inf) > least) & (length < way.length - least)]
     return np.append(length, way.length)
 
 
 def _at_ticks(way, torus, limits, length, speed, moment, tick):
-    """Return the lengths of way (ticks + 1,) at whole ticks, slowed until limits are kept."""
+    """Return the lengths of way (ticks + 1,) at whole ticks, slowed until the limits are kept."""
     slower = 1.0
     for _ in range(MOST_SLOWINGS):
         _, along = _sampled(length, speed, slower * moment, tick)
@@ -388,14 +390,14 @@ def _at_ticks(way, torus, limits, length, speed, moment, tick):
             return along
         slower *= excess * (1 + 1e-6)
     raise ValueError(
-        f"limits: must be such that a slower lap keeps them; none of {MOST_SLOWINGS} did."
+        f"limits: must be such that a slower lap keeps them; got none that does in {MOST_SLOWINGS}."
     )
 
 
 def _stepping(circuit, limits, advance, tick):
     """Return how far (k + 1,) the machine has stepped back at each tick of its step, in m.
 
-    Power and volume of the ground that the ball meets at its side bound the step, too.
+    The limits of power and volume bound the step, too, since the ball meets ground at its side.
     """
     if not advance:
         return np.zeros(1)
@@ -408,7 +410,7 @@ def _stepping(circuit, limits, advance, tick):
 
 
 def _entry(circuit, end, limits, clearance, step, tick, count):
-    """Return the `Moves` from where the cutter is clear of the ground to the lap's begin."""
+    """Return the `Moves` from a position clear of the ground to the lap's begin."""
     machine = circuit.machine
     torus = machine.torus
     start = _withdrawn(circuit, end, machine.depth + clearance)
@@ -419,9 +421,9 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
     turn = end - start
     ends = np.stack([start, (start + end) / 2, end])
     distance = float(np.linalg.norm(levers(torus, ends) * turn, axis=-1).max())
-    # All in m at the cutter: the joints' limits as if they went as far as it.
+    # The joints' limits are scaled to m of the cutter's way.
     scale = distance / np.abs(turn).max()
-    # At its greatest depth the plunging ball has all of its cap in the ground.
+    # At the greatest depth the plunging ball has its whole cap in the ground.
     cap = np.pi * machine.depth * (2 * machine.cutter_radius - machine.depth)
     slopes = np.tile(turn / distance, (3, 1))
     speed = limits.bounds(
@@ -446,13 +448,13 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
 
 
 def _withdrawn(circuit, position, distance):
-    """Return the joint position (2,) at which the cutter is a distance, in m, inside its circuit.
+    """Return the joint position (2,) at which the cutter is a distance in m inside its circuit.
 
-    The way there is the shortest on the torus, to first order.
+    To first order the way there is the shortest on the torus.
     """
     torus = circuit.machine.torus
     outward = circuit.profile.normal(0.0) @ circuit.axes[1:]
-    # Newton, each step along the joints' move that gains most depth for the cutter's way.
+    # Newton's method, each step along the joints' move that gains most depth per way of the cutter.
     found = np.array(position)
     for _ in range(NEWTON_STEPS):
         slope = torus.velocity(np.stack([found, found]), np.eye(2)) @ outward
@@ -462,7 +464,7 @@ def _withdrawn(circuit, position, distance):
 
 
 def _kept_clear(circuit, arm_radius):
-    """Return the clearances of the machine's parts, or refuse what is in the intact wall."""
+    """Return the clearances of the machine's parts; one that is in the wall raises ValueError."""
     found = part_clearances(circuit, arm_radius)
     for part in found:
         if part.collides:
@@ -470,11 +472,3 @@ def _kept_clear(circuit, arm_radius):
             what = f"arm_radius: an arm of {arm_radius:g} m" if arm else f"body: its {part.name}"
             raise ValueError(f"{what} {part.depth_in_wall}.")
     return found
-
-
-def check_unheld(plan):
-    """Raise ValueError if the plan waits between setpoints."""
-    if np.any(np.diff(plan.s[:-1]) <= 0):
-        raise ValueError(
-            "plan: must not wait between setpoints, whose path is compared; got one that does."
-        )

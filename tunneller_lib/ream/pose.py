@@ -1,4 +1,4 @@
-"""Where a machine stands instead of where it should."""
+"""By how much a machine stands elsewhere than planned."""
 
 from dataclasses import dataclass
 
@@ -10,14 +10,15 @@ from ..arguments import Angle, Coordinate, Point, Points, checked
 @dataclass(frozen=True)
 @checked
 class Pose:
-    """By how much a machine stands elsewhere than planned, small: in m and rad.
+    """A small displacement of a machine from where it should stand, in m and rad.
 
     Parameters
     ----------
     y, z : float
-        To the left and up, in m.
+        Shifts to the left and up, in m.
     roll, pitch, yaw : float
-        About the tunnel's x, y, z through the torus' centre, right-handed, in this order, in rad.
+        Right-handed turns about the tunnel's x, y and z through the torus' centre, in this order,
+        in rad.
 
     Raises
     ------
@@ -33,7 +34,7 @@ class Pose:
 
     @checked
     def moved(self, point: Points, centre: Point):
-        """Return points (..., 3) turned about a centre (3,) and shifted, in m."""
+        """Return points (..., 3) turned about a centre (3,) and then shifted, in m."""
         turn = np.eye(3)
         for axis, angle in enumerate((self.roll, self.pitch, self.yaw)):
             i, j = (axis + 1) % 3, (axis + 2) % 3

@@ -1,4 +1,4 @@
-"""The way of the cutter's centre through its knots, with corners rounded, by its own length."""
+"""The way of the cutter's centre through its knots, with rounded corners, by its own length."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Array, Length0, Lengths, Whole, bounded_array, checked
+from ..arguments import Array, Length0, Lengths, Whole, checked
 from ..paths import corrected_chord, project_chord
 from ..paths.circuit import Circuit
 
-SAMPLES = 17  # of the way between two knots, through which a cubic spline goes
-ROUNDED = 3 / 16  # of the turn times the half width: how far a rounded corner keeps away
+SAMPLES = 17  # points of the way between two knots, through which a cubic spline goes
+ROUNDED = 3 / 16  # distance of a rounded corner from its knot over turn times half width
 
 WAYS = {
     "projected chord": partial(project_chord, spacing="arc"),
@@ -42,7 +42,7 @@ class Route:
     splines : (4, 16, n, 2) float
         Cubic pieces of each of the n ways between knots, over shares of it, highest power first.
     kinks : (n + 1, 2) float
-        By how much the slope dq/dl turns at each end, in rad/m; zero where the lap begins and ends.
+        Change of the slope dq/dl at each of them, in rad/m; zero where the lap begins and ends.
     halves : (n + 1,) float
         Half widths over which these corners are rounded, in m.
     """
@@ -77,8 +77,8 @@ class Route:
         Notes
         -----
         A kink of the slope by J at l = 0 is J |l| / 2. It is replaced by J h c(l / h) over the
-        half width h, with c(x) = 3/16 + 3 x^2/8 - x^4/16, which meets |x| / 2 at x = 1 and -1 up to
-        its second derivative. The corner is missed by 3/16 |J| h.
+        half width h, with c(x) = 3/16 + 3 x^2/8 - x^4/16, which agrees with |x| / 2 at x = 1 and -1
+        up to the second derivative. The way misses the corner by 3/16 |J| h.
         """
         k, corner, bump = self.rounding(length, order=order)
         lengths = np.diff(self.ends)
@@ -90,16 +90,16 @@ class Route:
         return found + self.kinks[corner] * bump[..., None]
 
     def rounding(self, length, *, order=0):
-        """Return the way between knots, the corner, and the factor of its kink at each length.
+        """Return the way's and the corner's number, and the factor of its kink, at each length.
 
-        With that factor the kink is added to a sharp way, or to a derivative of some `order` of it.
+        The kink times that factor is added to the sharp way, or to its derivative of an `order`.
         """
         k = np.clip(np.searchsorted(self.ends, length, side="right") - 1, 0, len(self.ends) - 2)
         u = (length - self.ends[k]) / np.diff(self.ends)[k]
         first = u < 0.5
         corner = np.where(first, k, k + 1)
         h = self.halves[corner]
-        # Far from any knot there is no kink: a place at its end, whose powers are numbers.
+        # Far from any knot there is no kink; clipped there, x has finite powers.
         x = np.clip((length - self.ends[corner]) / np.where(h > 0, h, 1), -1, 1)
         bump = np.where((h > 0) & (np.abs(x) < 1), _bump(x, np.where(first, 1.0, -1.0), order), 0)
         return k, corner, bump * np.where(h > 0, h, 1) ** (1.0 - order)
@@ -116,7 +116,7 @@ class Route:
 
 
 def path_points(torus, path):
-    """Return the function (p, q, points) -> (k, points, 2) of a path, by even steps."""
+    """Return the function (p, q, points) -> (k, points, 2) of a path, in equal arcs."""
     return partial(WAYS[path], torus)
 
 
@@ -133,28 +133,29 @@ def route_through(
     Parameters
     ----------
     circuit : Circuit
-        On which the knots are.
+        The circuit on which the knots are.
     knots : (n,) float
         Arc lengths of the knots along the offset section, in m, rising from 0.
     way : function, optional
-        (p, q, count) -> (n, count, 2): positions at equal arcs from knots p to knots q (n, 2);
-        tangent-sphere paths by default. What it raises itself passes through.
+        (p, q, count) -> (n, count, 2): positions in equal arcs from knots p to knots q (n, 2);
+        projected chords by default.
     blend : float
-        By how much a rounded corner may miss its knot, in m; 0 leaves all corners sharp. Two
+        Distance by which a rounded corner may miss its knot, in m; 0 leaves all corners sharp. Two
         corners share the way between them.
 
     Returns
     -------
     route : Route
-        Without a corner where it begins and ends.
+        The route, without a corner where it begins and ends.
     """
     torus = circuit.machine.torus
     places = np.append(knots, circuit.profile.perimeter)
     at = circuit.position(places)
     at[-1] = at[0]  # not off by a rounding
-    path = _walked(way or path_points(torus, "projected chord"), at[:-1], at[1:])
+    way = way or path_points(torus, "projected chord")
+    path = np.asarray(way(at[:-1], at[1:], SAMPLES))
     splines = _splines(np.moveaxis(path, 1, 0))
-    # Arcs are equal, so that any mean of the speed over the shares is the length.
+    # The arcs are equal, so any mean of the speed over the shares is the length.
     middle = _power(splines, 0.5 / (SAMPLES - 1), 0), _power(splines, 0.5 / (SAMPLES - 1), 1)
     lengths = np.mean(np.linalg.norm(torus.velocity(*middle), axis=-1), axis=0)
     before = _power(splines[:, -1], 1 / (SAMPLES - 1), 1) / lengths[:, None]
@@ -174,19 +175,11 @@ def route_through(
     )
 
 
-def _walked(way, starts, stops):
-    """Return positions (n, SAMPLES, 2) of a way between knots, which a caller may have given."""
-    positions = bounded_array("way", way(starts, stops, SAMPLES))
-    wanted = (len(starts), SAMPLES, 2)
-    if positions.shape != wanted:
-        raise ValueError(f"way: must return positions {wanted}; got {positions.shape}.")
-    return positions
-
-
 def _splines(samples):
     """Return cubic pieces (4, m, ...) through samples (m + 1, ...) at equal shares from 0 to 1.
 
-    Their second derivatives meet, at the first and last place between two also their third.
+    Their first two derivatives are continuous, and at the first and the last sample between two
+    pieces the third as well ("not a knot").
     """
     last = len(samples) - 1
     system = np.diag(np.full(last, 1.0), -1) + np.diag(np.full(last, 1.0), 1) + 4 * np.eye(last + 1)
@@ -199,12 +192,12 @@ def _splines(samples):
     rise = np.diff(samples, axis=0)
     curved = 3 * rise - 2 * slopes[:-1] - slopes[1:]
     cubic = slopes[:-1] + slopes[1:] - 2 * rise
-    # So far a piece has the length 1.
+    # So far each piece had the length 1.
     return np.stack([cubic * last**3, curved * last**2, slopes[:-1] * last, samples[:-1]])
 
 
 def _power(coefficients, x, order):
-    """Return a derivative of cubics whose coefficients (4, ...) begin with the highest power."""
+    """Return a derivative of cubics with coefficients (4, ...), the highest power first."""
     a, b, c, d = coefficients
     if order == 0:
         return ((a * x + b) * x + c) * x + d
@@ -214,7 +207,7 @@ def _power(coefficients, x, order):
 
 
 def _bump(x, sign, order):
-    """Return a derivative of c(x) - |x| / 2; `sign` is that of x, also where x is zero."""
+    """Return a derivative of c(x) - |x| / 2, with the `sign` of x, which decides at zero."""
     if order == 0:
         return 3 / 16 + 3 * x**2 / 8 - x**4 / 16 - sign * x / 2
     if order == 1:

@@ -1,6 +1,6 @@
-"""First and second derivatives of the overbreak: closed forms behind the error budget.
+"""First and second derivatives of the overbreak: the closed forms of the error budget.
 
-The cutter's centre at joint position q is f(q) outside the offset section. n is the section's
+The cutter's centre at the joint position q is f(q) outside the offset section. n is the section's
 outward normal and rho its radius of curvature at the place where f is zero.
 """
 
@@ -15,14 +15,15 @@ from .both_axes import Loops, Plants, check_linear, check_ticks
 from .outward import gradient, wall_frame
 from .planning import Plan
 
-HARMONICS = 64  # of the encoder's rounding
+HARMONICS = 64  # of the encoder's rounding that count
 ANGLES = 41  # of a lap, at which a plant's linear form is asked for
 
 
 def joint_bend(circuit, s, q, rate):
     """Return d^2 f/dt^2 (...) along straight lines in joint space, in m over the rate's s^2.
 
-    At joint positions q and rates (..., 2) where the circuit has the arc lengths s (...).
+    The lines have the joint positions q and rates (..., 2) where the circuit has the arc lengths s
+    (...).
     """
     torus = circuit.machine.torus
     normal, tangent, curvature = wall_frame(circuit, s)
@@ -33,10 +34,9 @@ def joint_bend(circuit, s, q, rate):
 def geodesic_bend(circuit, s, q, direction):
     """Return d^2 f/dl^2 (...) along geodesics of unit directions (..., 3), in 1/m.
 
-    At joint positions q (..., 2) where the circuit has the arc lengths s (...).
-
-    The section's curvature less the part that the torus' own bend takes away: the sagitta
-    between knots a length l apart is this times l^2/8.
+    They pass joint positions q (..., 2) where the circuit has the arc lengths s (...). It is the
+    section's curvature less the part that the torus' own bend takes away; the sagitta between knots
+    a length l apart is l^2/8 times as great.
     """
     torus = circuit.machine.torus
     normal, tangent, curvature = wall_frame(circuit, s)
@@ -46,8 +46,8 @@ def geodesic_bend(circuit, s, q, direction):
 
 
 def _linear(plant, angles):
-    """Return the linear plants [m] of a plant's small motions near joint angles (m,), in rad."""
-    # Few are made: oil's stiffness changes slowly between them.
+    """Return the linear plants of small motions near joint angles (m,) in rad, a list of m."""
+    # A few suffice, since the oil's stiffness changes slowly with the angle.
     asked = np.linspace(angles.min(), angles.max(), ANGLES)
     models = [plant.linear(angle) for angle in asked.tolist()]
     nearest = np.abs(angles[:, None] - asked).argmin(axis=-1)
@@ -55,18 +55,18 @@ def _linear(plant, angles):
 
 
 def rounding_passed(plant, loop, rate, angle):
-    """Return the mean square (m,) of an encoder's rounding as a plant passes it on, in counts^2.
+    """Return the mean square (m,) of an encoder's rounding that reaches the joint, in counts^2.
 
-    At a steady rate (m,), in rad/s, the rounding is a sawtooth of known harmonics, and the linear
-    loop, at the joint angle (m,) in rad, passes on each one, sampled at the ticks: 1/12 in slow
-    motion, 1/12 Kv T / (2 - Kv T) for T0 in fast motion. The axis also answers to the rounding and
-    shifts its phase, which a linear theory can't say: ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion.
-    On the wall 0.65 to 1.43 times this rms were measured, of T0, T1 and T2 at 30 to 200 mm/s with
-    2^12 to 2^18 counts a turn.
+    At a steady `rate` (m,) in rad/s the rounding is a sawtooth of known harmonics, each of which
+    the linear `loop` of the `plant` passes on at the joint `angle` (m,) in rad, sampled at the
+    ticks: 1/12 in slow motion, and 1/12 Kv T / (2 - Kv T) for T0 in fast motion. The axis also
+    reacts to the rounding and shifts its phase, which no linear theory has:
+    ((1 - Kv T)^2 + (Kv T)^2)/12 in slow motion. On the wall 0.65 to 1.43 times this rms were
+    measured, with T0, T1 and T2 at 30 to 200 mm/s and 2^12 to 2^18 counts a turn.
     """
     if not loop.count:
         return np.zeros(len(rate))
-    # The sawtooth's k-th harmonic has the amplitude count/(pi k), and turns so far in each tick.
+    # The sawtooth's k-th harmonic has the amplitude count/(pi k), and turns by this much per tick.
     k = np.arange(1, HARMONICS + 1)
     turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
     z = np.exp(2j * np.pi * k * turns[:, None])
@@ -79,7 +79,7 @@ def rounding_passed(plant, loop, rate, angle):
     held = np.broadcast_to(
         (Bd * steady[:, None]).astype(complex)[:, None, :, None], (*z.shape, order, 1)
     )
-    # The plant's answer to a command that is held over each tick: C (z - Ad)^-1 Bd.
+    # The plant's answer to a command held over each tick: the first number of (z - Ad)^-1 Bd.
     open_loop = np.linalg.solve(z[..., None, None] * np.eye(order) - Ad[:, None], held)[..., 0, 0]
     open_loop = loop.gain * open_loop / z**loop.delay
     passed = np.abs(open_loop / (1 + open_loop)) ** 2
@@ -87,16 +87,16 @@ def rounding_passed(plant, loop, rate, angle):
 
 
 class PlannedMotion(NamedTuple):
-    """How a plan moves the joints amid its m moves, without the feed's own changes.
+    """The joints' motion amid a plan's m moves, without the feed's own changes.
 
     Parameters
     ----------
     place : (m,) float
         Arc lengths along the offset section, in m.
     position, rate, change : (m, 2) float
-        Of the joints, in rad, rad/s and rad/s^2.
+        Positions, rates and accelerations of the joints, in rad, rad/s and rad/s^2.
     slope : (m, 2) float
-        How far the cutter's centre moves out of the wall by a radian of each joint, in m.
+        How far the cutter's centre moves out of the wall per radian of each joint, in m.
     """
 
     place: np.ndarray
@@ -108,9 +108,9 @@ class PlannedMotion(NamedTuple):
 
 @lru_cache(2)
 def planned_motion(plan):
-    """Return the `PlannedMotion` of a plan, for which all closed forms of its axes ask."""
+    """Return the `PlannedMotion` of a plan, which all closed forms of its axes need."""
     circuit = plan.circuit
-    h = 1e-4  # m, less than a move: a blend isn't straddled
+    h = 1e-4  # m, less than a move, so that few differences straddle a blend
     middle = (plan.s[1:] + plan.s[:-1]) / 2
     before = circuit.position(middle - h)
     at = circuit.position(middle)
@@ -124,23 +124,23 @@ def planned_motion(plan):
 
 @checked
 def trailing(plan: Plan, plant: Plants, loop: Loops):
-    """Return the deviation amid a plan's moves as its loops' lag makes it, to second order.
+    """Return the deviation by the loops' lag amid a plan's moves, to second order.
 
     Parameters
     ----------
     plan : Plan
-        What is to be done.
+        The plan to run.
     plant : Plant or a pair of them
         The axes theta and phi.
     loop : Loop or a pair of them
-        Their position loops, with the plan's tick, without integral and dead band; encoders are
-        taken as ideal.
+        Their position loops, with the plan's tick and without integral; encoders are taken as
+        ideal.
 
     Returns
     -------
     deviation : (2, m) float
-        Two terms of a series, in m: where all gains are u times as high, the deviation is the
-        first over u and the second over u^2.
+        Two terms of a series, in m: with gains u times as high the deviation is the first over u
+        plus the second over u^2.
 
     Raises
     ------
@@ -149,9 +149,10 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
 
     Notes
     -----
-    A joint is behind by lag ((1 - share) rate + ((1 - share) tick / 2 + late) change) to first
-    order: what the loop lacks of the rate, held over a tick, and what delay and plant take of the
-    acceleration. To second order a P loop's own lag counts twice, and the wall bends.
+    To first order a joint is behind by lag ((1 - share) rate + ((1 - share) tick / 2 + late)
+    change): the part of the rate that isn't fed forward, held over a tick, and the acceleration
+    during the delays of loop and plant. To second order a P loop's lag counts twice, and the wall
+    bends.
     """
     check_ticks(plan, loop)
     check_linear(loop)
@@ -166,6 +167,7 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
             for axis, q in zip(plant, motion.position.T, strict=True)
         ]
     )
+    # Where the rate isn't fed forward the error must ask for it, which takes lag times the rate.
     behind = -(1 - share) * lag * motion.rate
     first = behind - lag * ((1 - share) * plan.tick / 2 + late) * motion.change
     bend = joint_bend(circuit, motion.place, motion.position, behind)

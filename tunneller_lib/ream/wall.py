@@ -1,4 +1,4 @@
-"""The wall of a tunnel on rays from its axis: what stands, and how far from the wanted one."""
+"""The wall of a tunnel on rays from its axis: the standing ground, and its overbreak."""
 
 import numpy as np
 
@@ -13,18 +13,18 @@ from ..removal.dexel import Shape
 def intact_wall(
     circuit: Circuit, start: Coordinate, stop: Coordinate, shape: Shape, *, thickness: Length = 0.1
 ):
-    """Return the ground behind a section before it is cut.
+    """Return the uncut ground behind a section.
 
     Parameters
     ----------
     circuit : Circuit
-        With the section; the origin of its plane must be inside.
+        The circuit, whose section must hold the origin of its plane.
     start, stop : float
         Ends of the ground along the tunnel's x, in m.
     shape : (2,) int
-        Rays along x and round.
+        Numbers of rays along x and around it.
     thickness : float
-        Of the modelled ground, in m, along the rays.
+        Thickness of the modelled ground along the rays, in m.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def intact_wall(
 
 @checked
 def standing(wall: DexelGrid):
-    """Return where, on each ray, the ground begins that stands after the cuts.
+    """Return the point on each ray at which the standing ground begins.
 
     Parameters
     ----------
@@ -48,8 +48,7 @@ def standing(wall: DexelGrid):
     Returns
     -------
     points : (n, m, 3) float
-        In m, on each ray the inner end of its outermost piece: what the cutter has undercut is
-        counted as gone.
+        The inner end of each ray's outermost piece, in m: undercut ground counts as gone.
 
     Raises
     ------
@@ -74,13 +73,13 @@ def overbreak(wall: DexelGrid, circuit: Circuit):
     wall : DexelGrid
         The ground.
     circuit : Circuit
-        Its section and its machine's depth of cut give the wanted wall.
+        The circuit, whose section and depth of cut give the wanted wall.
 
     Returns
     -------
     overbreak : (n, m) float
-        Along the section's normal, in m: negative underbreak; minus the depth of cut where the
-        section is as it was.
+        Distance along the section's normal, in m, negative for underbreak; minus the depth of cut
+        where nothing is cut.
 
     Raises
     ------
@@ -98,14 +97,14 @@ def scallop_height(radius: Length, pitch: Lengths):
     Parameters
     ----------
     radius : float
-        Of the cutter, in m.
+        Radius of the cutter, in m.
     pitch : (...) float
-        Distance of the passes across their direction, in m, at most 2 radius.
+        Distance of the passes across their direction, in m, at most twice the radius.
 
     Returns
     -------
     height : (...) float
-        R - sqrt(R^2 - pitch^2/4), written without its cancellation.
+        R - sqrt(R^2 - pitch^2/4), in m.
 
     Examples
     --------
@@ -118,6 +117,7 @@ def scallop_height(radius: Length, pitch: Lengths):
             f"pitch: must lie between 0 and twice the radius {radius:g} m; "
             f"got {pitch[wrong].flat[0]:g} m."
         )
+    # R - sqrt(..) would cancel for small pitches.
     return pitch**2 / 4 / (radius + np.sqrt(radius**2 - pitch**2 / 4))
 
 
@@ -128,7 +128,7 @@ def pass_distance(circuit: Circuit, s: Lengths, advance: Length):
     Parameters
     ----------
     circuit : Circuit
-        Of the cutter's centre.
+        The circuit of the cutter's centre.
     s : (...) float
         Arc lengths, in m.
     advance : float
@@ -140,6 +140,12 @@ def pass_distance(circuit: Circuit, s: Lengths, advance: Length):
         advance / sqrt(1 + tan^2(lean) rho / (rho + R)) with the lean of the circuit out of the
         section's plane, the radius rho of the offset section and R of the cutter: on a straight
         wall advance cos(lean), but the ball also reaches round the bend.
+
+    Notes
+    -----
+    The wall has one bend as far as the ball reaches round it from the middle of a ridge, about
+    advance/2 tan(lean) along the section. Nearer to a jump of the bend the ridge passes smoothly
+    from one height to the other, and so isn't as low as the lower of both formulas says.
     """
     profile = circuit.profile
     h = 1e-5 * profile.perimeter
@@ -152,20 +158,20 @@ def pass_distance(circuit: Circuit, s: Lengths, advance: Length):
 
 @checked
 def lap_volume(circuit: Circuit, advance: Length):
-    """Return the ground that a lap removes behind earlier ones, in m^3.
+    """Return the volume that a lap removes behind earlier ones, in m^3.
 
     Parameters
     ----------
     circuit : Circuit
-        Of the cutter's centre.
+        The circuit of the cutter's centre.
     advance : float
         Step of the machine between laps, in m, small against the cutter.
 
     Returns
     -------
     volume : float
-        The layer between section and wanted wall over the advance, less the cusps that stay
-        between passes, whose centroids are taken at the wanted wall.
+        The layer between section and wanted wall over the advance, less the cusps between passes,
+        whose centroids are taken at the wanted wall.
 
     Raises
     ------
@@ -185,7 +191,7 @@ def lap_volume(circuit: Circuit, advance: Length):
             f"advance: must leave cusps below the depth of cut {g:g} m, or ground between them "
             f"isn't touched; got {advance:g} m, which leaves {tallest:.3g} m."
         )
-    # The strip down to the bottoms less two sectors and the triangle that the passes take of it.
+    # A cusp is the strip down to the bottoms less two sectors and a triangle that the passes take.
     sectors = radius**2 * np.arcsin(half / radius)
     triangle = half * np.sqrt((radius - half) * (radius + half))
     cusp = 2 * half * radius - sectors - triangle
