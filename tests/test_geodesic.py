@@ -489,3 +489,18 @@ def test_ends_on_either_side_of_the_outer_equator_and_all_but_on_it_have_an_answ
     phi = 7.893822301336877e-30
     found = geodesic_inverse(SPINDLE, (0, -phi), (-2.3589354223928547, phi))
     assert found.length == pytest.approx(1.5 * 2.3589354223928547, rel=1e-14)
+
+
+def test_deviation_is_positive_to_the_left_of_the_way_as_seen_from_outside():
+    way = geodesic_direct(MACHINE, (0, 0), np.pi / 2, 0.2 * (MACHINE.r + MACHINE.R), 65)
+    off = way.deviation([(0.1, 0.01), (0.1, -0.02)])
+    np.testing.assert_allclose(off, MACHINE.R * np.sin([0.01, -0.02]), rtol=1e-4)
+
+
+@pytest.mark.parametrize("u", [-0.3, -0.05, 0.1, 0.25])
+def test_few_nodes_are_as_good_as_many_where_the_working_sheet_is_farthest_from_a_sphere(u):
+    few, many_ = (
+        ways_of(geodesic_root.OUTSIDE, Torus(0.25, 1), 1.0, -0.8, [u], nodes)
+        for nodes in (geodesic_root.NODES_OF_WORKING_SHEET, 96)
+    )
+    np.testing.assert_allclose(few, many_, rtol=1e-13)

@@ -56,6 +56,6 @@ CALLS = {
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
-    "meet_box": {"solid": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
+    "meet_box": {"rod": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
     "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..arguments import Angle, Array, Length0, Points, Radii, checked
 from ..surfaces import Machine, Section
-from ..surfaces.solid import Solid
+from ..surfaces.solid import Solid, outermost
 
 ANGLES = 360  # angles from y at which the outermost points of a solid are looked at first
 GOLDEN = (np.sqrt(5) - 1) / 2
@@ -90,7 +90,7 @@ def solid_clearance(
     -----
     Both are convex. Across the wall, in the plane x = 0, the least depth is that of the point where
     the solid reaches farthest along the wall's normal there, so that one angle is looked for. The
-    points are those at which planes touch the solid, its `outermost`. Those at `ANGLES` angles
+    points are those at which planes touch the solid's `hull`. Those at `ANGLES` angles
     tell where the depth has valleys, whose lowest points are found by golden sections.
 
     Examples
@@ -145,16 +145,16 @@ def _least_depths(section, solid, across, middle):
 
 
 def _depths(section, solid, across, middle, angle):
-    """Return depths (k, n) of the k outermost points of a solid, at angles (n,).
+    """Return depths (k, n) of a solid's k outermost points, at angles (n,).
 
     It stands with its origin at `middle` (n, 2), and `across` (n, 2, 3) turns it into the plane of
     y and z.
     """
     normal = np.cos(angle) * across[:, 0].T + np.sin(angle) * across[:, 1].T
-    start, ways = solid.outermost(normal)
-    if not ways:
+    start, parts = solid.hull
+    if not parts:
         return np.empty((0, len(angle)))
-    points = [start[:, None] + way for way in ways]
+    points = [start[:, None] + way for way in outermost(parts, normal)]
     y, z = np.einsum("nij,kjn->ikn", across, points) + middle.T[:, None]
     return section.depth(y, z)
 

@@ -190,16 +190,16 @@ class Box(Solid):
             wide.append(scaled(abs(width), power))
         return _Numbers(self.corner, tuple(normals), shares(wide, 2), lengths(wide))
 
-    def outermost(self, normal):
-        """Return the box's corners, which planes touch, as `Solid` says."""
+    @property
+    def hull(self):
+        """Return the box's corners, as `Solid` says: balls without a radius."""
         corners = [
             np.add(np.add(x, y), z)
             for x in (np.zeros(3), self.x)
             for y in (np.zeros(3), self.y)
             for z in (np.zeros(3), self.z)
         ]
-        points = [np.broadcast_to(corner[:, None], normal.shape) for corner in corners]
-        return np.array(self.corner), points
+        return np.array(self.corner), [(corner, None, 0.0) for corner in corners]
 
     @property
     def capsule(self):

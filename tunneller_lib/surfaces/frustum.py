@@ -9,7 +9,7 @@ from ..arguments import Directions, Length0, Point, Points, checked, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
 from .blocks import meet_in_blocks
 from .rod_interval import GUARD, along_lines, flat_interval, frame, nearest_point
-from .solid import Solid, outermost_of_ends
+from .solid import Solid, hull_of_ends
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,10 @@ class Frustum(Solid):
     def __post_init__(self):
         sizes("b - a", np.abs(np.subtract(self.b, self.a)).max())
 
-    def outermost(self, normal):
-        """Return the frustum's points that planes touch, as `Solid` says."""
-        return outermost_of_ends(self.a, self.b, self.radius_a, self.radius_b, normal)
+    @property
+    def hull(self):
+        """Return the discs at the frustum's ends, as `Solid` says."""
+        return hull_of_ends(self.a, self.b, self.radius_a, self.radius_b)
 
     @property
     def capsule(self):

@@ -21,7 +21,7 @@ from .blocks import (
     well_shaped,
 )
 from .rod_interval import along_lines, flat_interval, frame, nearest_point, round_interval
-from .solid import Solid, outermost_of_ends
+from .solid import Solid, hull_of_ends
 
 PAIRS = 8192  # rods and lines of `meet_rods` that are looked at together, to stay in the cache
 
@@ -127,10 +127,11 @@ class Rod(Solid):
         """Return the length of the axis, in m."""
         return float(norm(self.axis))
 
-    def outermost(self, normal):
-        """Return the rod's points that planes touch, as `Solid` says."""
+    @property
+    def hull(self):
+        """Return the discs or balls at the rod's ends, as `Solid` says."""
         both = self.radius, self.radius
-        return outermost_of_ends(self.a, self.b, *both, normal, round_ends=self.ends == "round")
+        return hull_of_ends(self.a, self.b, *both, round_ends=self.ends == "round")
 
     @property
     def capsule(self):

@@ -5,6 +5,7 @@ import numpy as np
 from ..arguments import Corners, checked
 from .rod import Rod
 from .rod_interval import GUARD
+from .solid import outermost
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -57,8 +58,8 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
     low, high = low - rod.a[:2], high - rod.a[:2]
     reach = np.maximum(np.abs(low), np.abs(high)).max(axis=-1)
     guard = GUARD * (rod.radius + rod.length + reach)
-    _, own = rod.outermost(UP[:, None])
-    points = [way[:, 0] for way in own]  # the rod's own highest and lowest
+    _, ends = rod.hull
+    points = [way[:, 0] for way in outermost(ends, UP[:, None])]  # the rod's own highest and lowest
     for along, across in ((0, 1), (1, 0)):
         for side in (low, high):
             points += _in_plane(rod, along, across, side[..., across], guard)
@@ -112,7 +113,7 @@ def _in_plane(rod, along, across, at, guard):
             along, across, share * v[along], radial[0] + share * v[across], radial[1] + share * v[2]
         )
     if rod.ends == "flat":
-        # The plane cuts a disc along a chord, whose ends count. Where the disc lies in the plane
+        # The plane cuts a disc along a chord, whose ends count. Where the disc lies in the plane,
         # any chord will do: the disc's own top and the corners' lines tell the rest.
         sine = np.hypot(w[along], w[2])
         x, z = (-w[2] / sine, w[along] / sine) if sine else (0.0, 1.0)

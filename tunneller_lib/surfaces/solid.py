@@ -1,4 +1,4 @@
-"""What all solids answer, and where planes touch those that end in discs or balls."""
+"""What all solids answer, and where planes touch them."""
 
 import numpy as np
 
@@ -7,40 +7,37 @@ from ..kernels.vectors import scalar_products, unit_and_speed, vector_products
 
 
 class Solid:
-    """A convex solid: lines meet it by `meet_line`, planes touch it at its `outermost` points.
+    """A convex solid, which lines meet by `meet_line`.
 
-    `outermost(normal)`, of unit vectors (3, n), returns a point (3,) of the solid and the ways
-    (3, n) from there, in m, to the points that may reach farthest along the normals or against
-    them; an empty solid has none. `capsule`, its ends (3,) and its radius, holds the solid:
-    whatever is outside of it can't meet the solid.
+    Its `hull` is a point (3,) of the solid, in m, and the discs and balls whose convex hull the
+    solid is: centre (3,) from that point on, unit vector along the axis (3,) or None for a ball,
+    and radius, in m; an empty solid has none. Its `capsule`, two ends (3,) and a radius, holds the
+    solid: whatever is outside of the capsule can't meet it.
     """
 
 
-def outermost_of_ends(a, b, radius_a, radius_b, normal, *, round_ends=False):
-    """Return what `Solid.outermost` does for a solid between discs or balls about a and b.
+def hull_of_ends(a, b, radius_a, radius_b, *, round_ends=False):
+    """Return the `hull` of a solid between discs or balls about its ends a and b, (3,) in m.
 
-    Parameters: the ends a and b, (3,), and the radii there, `radius_a` and `radius_b`, in m; the
-    unit vectors `normal` (3, n); and `round_ends`, whether balls end the solid.
+    Their radii are `radius_a` and `radius_b`, in m, and `round_ends` says whether they are balls.
     """
     v = np.subtract(b, a)
-    ends = (np.zeros(3), radius_a), (v, radius_b)
-    if round_ends:
-        found = [reach for end, radius in ends for reach in both_ways(end, radius * normal)]
-    elif np.any(v):
-        axis = np.array(unit_and_speed(v)[0])
-        found = [
-            reach
-            for end, radius in ends
-            for reach in both_ways(end, radius * nearest_in_disc(normal, axis))
-        ]
-    else:
-        found = []  # a flat rod without length is empty
-    return np.array(a), found
+    if not (round_ends or np.any(v)):
+        return np.array(a), []  # a flat rod without length is empty
+    axis = None if round_ends else np.array(unit_and_speed(v)[0])
+    return np.array(a), [(np.zeros(3), axis, radius_a), (v, axis, radius_b)]
 
 
-def both_ways(centre, out):
-    """Return the points (3, n) that lie `out` (3, n) from a centre (3,), and their opposites."""
-    return centre[:, None] + out, centre[:, None] - out
+def outermost(parts, normal):
+    """Yield the points (3, n) of a `hull` where planes touch it, by its parts.
+
+    They reach farthest along the unit vectors `normal` (3, n), or against them.
+    """
+    for centre, axis, radius in parts:
+        out = radius * (normal if axis is None else nearest_in_disc(normal, axis))
+        yield centre[:, None] + out
+        if radius:
+            yield centre[:, None] - out
 
 
 def nearest_in_disc(normal, axis):
