@@ -115,7 +115,7 @@ class Plan(Moves):
         """Return the shares of the limits that the exact slopes of a lap use, at most 1, as a dict.
 
         The setpoints aren't rounded yet. Speeds are taken amid the moves; an acceleration is the
-        change of slope from move to move, within a single tick. An infinite limit is used by 0.
+        change of slope from move to move, within a single tick.
         """
         torus = self.circuit.machine.torus
         ends = self.setpoints
@@ -124,12 +124,9 @@ class Plan(Moves):
         changes = np.diff(np.concatenate([still, slopes, still]), axis=0) / self.tick
         speed = np.linalg.norm(torus.velocity((ends[1:] + ends[:-1]) / 2, slopes), axis=-1)
         acceleration = np.linalg.norm(torus.velocity(ends, changes), axis=-1)
-        limits = self.limits
         return {
-            "feed": float(speed.max() / limits.feed),
-            "acceleration": float(acceleration.max() / limits.acceleration),
-            "joint_speed": float(np.abs(slopes).max() / limits.joint_speed),
-            "joint_acceleration": float(np.abs(changes).max() / limits.joint_acceleration),
+            "feed": float(speed.max() / self.limits.feed),
+            "acceleration": float(acceleration.max() / self.limits.acceleration),
         }
 
     @checked
@@ -384,7 +381,6 @@ def _at_ticks(way, torus, limits, length, speed, moment, tick):
         excess = max(
             np.sqrt(strains(torus, way.at(along), tick, limits).max()),
             np.max(np.diff(along) / tick / limits.feed),
-            np.max(np.abs(np.diff(way.at(along), axis=0))) / tick / limits.joint_speed,
         )
         if excess <= 1 + 1e-7:
             return along
@@ -421,8 +417,6 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
     turn = end - start
     ends = np.stack([start, (start + end) / 2, end])
     distance = float(np.linalg.norm(levers(torus, ends) * turn, axis=-1).max())
-    # The joints' limits are scaled to m of the cutter's way.
-    scale = distance / np.abs(turn).max()
     # At the greatest depth the plunging ball has its whole cap in the ground.
     cap = np.pi * machine.depth * (2 * machine.cutter_radius - machine.depth)
     slopes = np.tile(turn / distance, (3, 1))
@@ -433,12 +427,7 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
         groove=np.full(2, cap),
         pushed=levers(torus, ends) ** 2 * slopes,
     ).min()
-    ticks = move_ticks(
-        distance,
-        min(float(speed), limits.joint_speed * scale),
-        GENTLY * min(limits.acceleration, limits.joint_acceleration * scale),
-        tick,
-    )
+    ticks = move_ticks(distance, float(speed), GENTLY * limits.acceleration, tick)
     shares = move_shares(ticks)
     positions = start + shares[:, None] * turn
     positions[-1] = end
