@@ -175,7 +175,6 @@ def plan(
     advance: Length0 = 0.0,
     arm_radius: Length0 = 0.0,
     path: Way = "projected chord",
-    blend: Length | None = None,
     clearance: Length0 = 5e-3,
 ):
     """Return the `Plan` by which a machine cuts a section, or refuse what it can't do.
@@ -188,7 +187,8 @@ def plan(
         The limits of the motion.
     tolerance : float
         Largest over- or underbreak of the paths between knots, in m, which decides their number.
-        Moves and counts add theirs; see `budget`.
+        Rounded corners may miss their knots by half of it. Moves and counts add theirs; see
+        `budget`.
     step : float
         Greatest distance between setpoints, in m, which the slow task prepares and the fast one
         joins by integer lines. Where the feed or the direction changes the moves are shorter.
@@ -206,9 +206,6 @@ def plan(
         Radius of a round-ended rod about the arm that must stay clear of the intact wall, in m.
     path : {"projected chord", "corrected chord"}
         The one of `CHORD_PATHS` that joins the knots: the paper's, or the one next to a geodesic.
-    blend : float, optional
-        Distance by which rounded corners may miss their knots, in m; by default half the
-        tolerance.
     clearance : float
         Clearance between the cutter and the intact ground at the begin and the end, in m.
 
@@ -246,8 +243,7 @@ def plan(
         )
     clearances = _kept_clear(circuit, arm_radius)
     torus = circuit.machine.torus
-    blend = tolerance / 2 if blend is None else blend
-    way = route_through(circuit, knots, way=path_points(torus, path), blend=blend)
+    way = route_through(circuit, knots, way=path_points(torus, path), blend=tolerance / 2)
     length, speed, moment, straight_time = _eased(
         way, circuit, limits, advance if laps > 1 else 0.0, tick
     )
