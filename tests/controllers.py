@@ -9,6 +9,7 @@ import resource
 import struct
 import subprocess
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -146,7 +147,8 @@ def closed_loop(controller, wanted, made, scans, *, before=start):
     """
     plants, loops = wanted.axes
     encoder = loops[0].count
-    steps = [plant.stepper(wanted.planned.tick) for plant in plants]
+    tick = wanted.planned.tick
+    steps = [partial(plant.functions()["ticked"], plant.numbers(tick)) for plant in plants]
     c = controller.c
     first = wanted.planned.entry.setvalues[0]
     states = [plant.rest(float(at)) for plant, at in zip(plants, first, strict=True)]

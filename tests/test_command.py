@@ -84,7 +84,6 @@ def test_reference_job_is_the_reference_machine():
     plants, loops = job.axes
     assert all(isinstance(plant, Compressible) for plant in plants)
     assert loops[0].gain == 10 and loops[0].count == plan.count and job.error is None
-    assert job.limit == 1.5e-3
 
 
 def test_job_takes_the_tiers(job):

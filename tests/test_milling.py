@@ -1,4 +1,4 @@
-"""Mills on surfaces: knots, positions, chains, and what strips, patches and scallops leave."""
+"""Mills on surfaces: positions, chains, and what strips, patches and scallops leave."""
 
 from dataclasses import replace
 
@@ -7,12 +7,10 @@ import pytest
 
 from tunneller_lib.envelopes import ConePose
 from tunneller_lib.envelopes.families import moving_cone, turning
-from tunneller_lib.envelopes.jet import jet_variables
 from tunneller_lib.milling import (
     BallMill,
     ConicalMill,
     CylinderMill,
-    Nurbs,
     Patch,
     ball_chain,
     cover,
@@ -74,57 +72,6 @@ def on_saddle():
     found = find_positions(SADDLE, BROAD, *SADDLE.parameters(2, margin=0.2), **LOOK)
     rows = np.flatnonzero(found.fits).tolist()
     return found, [trace_chain(SADDLE, BROAD, found, row, step=1 * MM, **LOOK) for row in rows]
-
-
-# ---- surfaces by knots ----------------------------------------------------------------------
-
-
-def quarter(radius):
-    """Return a quarter of a cylinder about z as a rational cubic: the circle, raised."""
-    corner = np.sqrt(0.5)
-    plane = np.array([[1, 0, 1], [corner, corner, corner], [0, 1, 1]])  # x w, y w, w
-    raised = np.array([plane[0], plane[0] + 2 * plane[1], 2 * plane[1] + plane[2], plane[2]])
-    raised[1:3] /= 3
-    weights = np.repeat(raised[:, 2:], 4, axis=1)
-    control = np.empty((4, 4, 3))
-    control[..., :2] = radius * (raised[:, :2] / raised[:, 2:])[:, None]
-    control[..., 2] = np.linspace(0, 1, 4)
-    knots = [0] * 4 + [1] * 4
-    return Nurbs(control, knots, knots, weights)
-
-
-def test_a_rational_surface_is_a_cylinder_with_all_its_derivatives():
-    s, t = np.random.default_rng(1).uniform(0, 1, (2, 30))
-    surface = quarter(2.0)
-    knots = surface.knots_s, surface.knots_t
-    turned = Nurbs(surface.control.swapaxes(0, 1), *knots, surface.weights.T)
-    for one, other in zip(surface.coordinates(*jet_variables(s, t)),
-                          turned.coordinates(*jet_variables(t, s)), strict=True):  # fmt: skip
-        for i, j in ((1, 0), (0, 2), (2, 1), (3, 0), (1, 3)):
-            np.testing.assert_allclose(one.derivative(i, j), other.derivative(j, i), atol=1e-9)
-    x, y, z = surface.coordinates(s, t)
-    np.testing.assert_allclose(np.hypot(x, y), 2.0, rtol=1e-14)
-    x, y, z = surface.coordinates(*jet_variables(s, t))
-    square = x * x + y * y
-    assert np.abs(square.c[0] - 4).max() < 1e-13 and np.abs(square.c[1:]).max() < 5e-11
-    np.testing.assert_allclose(z.derivative(0, 1), 1.0)
-    # Jets follow what is put for the variables.
-    one, other = jet_variables(s, t)
-    x, y, z = surface.coordinates(one * one, one * other)
-    assert np.abs((x * x + y * y).c[1:]).max() < 5e-11
-    np.testing.assert_allclose(z.c, (one * other).c, atol=1e-12)
-
-
-def test_knots_that_make_no_smooth_surface_are_refused():
-    control = np.zeros((5, 5, 3))
-    knots = [0, 0, 0, 0, 0.5, 1, 1, 1, 1]
-    Nurbs(control, knots, knots)
-    with pytest.raises(ValueError, match=r"^knots_t: must be for a degree from 3 to 9, .*: deg"):
-        Nurbs(control, knots, knots[1:-1])
-    with pytest.raises(ValueError, match="without creases"):
-        Nurbs(np.zeros((7, 5, 3)), [0] * 4 + [0.5] * 3 + [1] * 4, knots)
-    with pytest.raises(ValueError, match=r"^s: must lie from 0 to 1; got 1\.5"):
-        Nurbs(control, knots, knots).coordinates(1.5, 0.5)
 
 
 # ---- positions ------------------------------------------------------------------------------

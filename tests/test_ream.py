@@ -94,20 +94,13 @@ def strained(job):
 
 @pytest.mark.parametrize(
     "limits",
-    [
-        QUICK,
-        Limits(feed=0.3, acceleration=0.2),
-        Limits(feed=0.2, acceleration=9.0, joint_speed=0.2, joint_acceleration=0.3),
-        Limits(feed=0.2, acceleration=0.5, joint_acceleration=0.3),
-        Limits(feed=0.3, acceleration=0.5, volume=1e-4),
-    ],
+    [QUICK, Limits(feed=0.3, acceleration=0.2), Limits(feed=0.3, acceleration=0.5, volume=1e-4)],
 )
 def test_exported_moves_keep_every_limit(limits):
     job = lap(limits)
     assert max(job.shares.values()) <= 1
     assert strained(job) <= limits.acceleration * 1.01  # setpoints in parts of a count
-    used = max(job.shares["acceleration"], job.shares["joint_acceleration"], job.shares["feed"])
-    assert used > 0.9
+    assert max(job.shares.values()) > 0.9
 
 
 def test_slowed_lap_goes_up_to_its_limit():
@@ -194,13 +187,12 @@ def test_a_count_has_as_many_parts_as_32_bits_hold(ticks, parts):
 # Feed
 
 
-@pytest.mark.parametrize("joint", [0.3, np.inf])
-def test_profile_is_the_greatest_that_keeps_bound_and_acceleration(joint):
+def test_profile_is_the_greatest_that_keeps_bound_and_acceleration():
     """A second way: on a grid of squares of the feed the greatest that can still stop."""
     rng = np.random.default_rng(4)
     lengths, ground = rng.uniform(1e-3, 5e-3, 60), rng.uniform(1e-4, 2e-3, 60)
     slope, bend = rng.uniform(-1.5, 1.5, (61, 2)), rng.uniform(-80, 80, (61, 2))
-    limits = Limits(feed=0.3, acceleration=0.4, volume=3e-4, joint_acceleration=joint)
+    limits = Limits(feed=0.3, acceleration=0.4, volume=3e-4)
     turns = np.stack([slope, bend, np.full((61, 2), 0.8)])
     found = limits.profile(lengths, np.zeros((61, 2)), ground, turns=turns) ** 2
     bound = np.minimum(0.3, 3e-4 / ground) ** 2
@@ -210,13 +202,13 @@ def test_profile_is_the_greatest_that_keeps_bound_and_acceleration(joint):
         a = np.linspace(-1, 1, 801)[:, None]  # share of what stops within the move, or starts
         a = a * max(top[i], top[i + 1]) / (2 * lengths[i])
         joints = slope[i, :, None, None] * a + bend[i, :, None, None] * x
-        allowed = (np.abs(joints).max(axis=0) <= joint) & (np.hypot(*(0.8 * joints)) <= 0.4)
+        allowed = np.hypot(*(0.8 * joints)) <= 0.4
         after = x + 2 * lengths[i] * a
         top[i] = x[np.any(allowed & (after >= 0) & (after <= top[i + 1] + 1e-9), axis=0)].max()
     assert np.all(found <= top * 1.1 + 1e-7)
     a = np.diff(found) / (2 * lengths)
     joints = slope[:-1] * a[:, None] + bend[:-1] * found[:-1, None]
-    strain = np.maximum(np.abs(joints).max(axis=1) / joint, np.hypot(*(0.8 * joints).T) / 0.4)
+    strain = np.hypot(*(0.8 * joints).T) / 0.4
     assert strain.max() <= 1 + 1e-9
     # Nowhere may it be raised: each square is the bound, or is climbed or braked at the limit.
     full = (strain > 1 - 1e-6) | (np.abs(found[1:] - top[1:]) < 0.02 * top[1:] + 1e-7)
@@ -461,11 +453,3 @@ def test_moves_from_rest_to_rest_keep_speed_and_acceleration():
 def test_a_move_lasts_a_tick_more_where_its_speed_would_be_above_the_limit(more, ticks):
     speed = 1 / (100 * (1 + more))  # m/s, over 1 m with ticks of a second
     assert move_ticks(1.0, speed, 1e3, 1.0)[0] == ticks
-
-
-def test_lap_under_joint_limits_lasts_as_long_as_toppras():
-    """The time that toppra 0.6 gives on the same route: make bench compares more of them."""
-    limits = Limits(feed=1e3, acceleration=1e6, joint_speed=0.3, joint_acceleration=2.0)
-    job = lap(limits, blend=5e-4, tick=1e-3, step=0.05, rest=0.0)
-    assert max(job.shares.values()) <= 1
-    assert job.lap_time - job.tick == pytest.approx(11.056, rel=0.01)

@@ -59,7 +59,7 @@ def test_sweep_goes_on_where_it_was_interrupted(tmp_path, capsys):
     for block, table in zip(blocks, loaded(files), strict=True):
         np.testing.assert_array_equal(table, small(block))
     told = capsys.readouterr().err
-    assert "2 of 5 blocks are there" in told and "5 of 5 blocks, 0 s to go" in told
+    assert "3 of 5 blocks" in told and "5 of 5 blocks" in told
     assert [path.name for path in tmp_path.rglob("*.part")] == ["0-3.part"]  # another's
 
 

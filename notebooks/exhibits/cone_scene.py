@@ -85,20 +85,13 @@ def cone_in_the_model_picture(cone):
     n, h = cone.planes(ROUND)
     points = plane_to_point(n, h)
     top = points * [1, 1, 0]
-    views = [_with_normals(cone, n), _on_the_sphere(n, top), _over_its_circle(points, top)]
-    return scene.side_by_side(*views)
-
-
-def _with_normals(cone, n):
     plotter = scene.empty()
     scene.put(plotter, scene.surface(cone.mesh(m=361)), "cone", opacity=0.6)
     feet = np.array(cone.vertex) + 1.2 * cone_rulings(cone.axis, cone.half_angle, ROUND)
     for foot, direction in zip(feet[::60], 0.5 * n[::60], strict=True):
         scene.put(plotter, scene.arrow(foot - direction, direction, 0.014), "error")
-    return scene.shoot(plotter, direction=FROM_ABOVE, width=5)
+    normals = scene.shoot(plotter, direction=FROM_ABOVE, width=5)
 
-
-def _on_the_sphere(n, top):
     plotter = scene.empty()
     scene.put(plotter, scene.ball((0, 0, 0), 1), "design surface", opacity=0.35)
     scene.put(plotter, scene.curve(n, 0.025), "error")
@@ -106,16 +99,15 @@ def _on_the_sphere(n, top):
     scene.put(plotter, scene.curve(top, 0.025), "top view")
     for one in n[::180]:
         scene.put(plotter, scene.curve([(0, 0, -1), one], 0.008), "chord")
-    return scene.shoot(plotter, direction=(1, -1.6, 0.35), width=5)
+    sphere = scene.shoot(plotter, direction=(1, -1.6, 0.35), width=5)
 
-
-def _over_its_circle(points, top):
     plotter = scene.empty()
     scene.put(plotter, scene.curve(points, 0.025), "cone")
     scene.put(plotter, scene.curve(top, 0.025), "top view")
     for foot, point in zip(top[::60], points[::60] + 1e-9, strict=True):
         scene.put(plotter, scene.curve([foot, point], 0.006), "chord")
-    return scene.shoot(plotter, direction=FROM_ABOVE, width=5)
+    model = scene.shoot(plotter, direction=FROM_ABOVE, width=5)
+    return scene.side_by_side(normals, sphere, model)
 
 
 def osculating_cone_picture(sheet, cone, ruling, corner):

@@ -93,6 +93,5 @@ def draw_mirrored(ax, torus, begin, end):
         ax.plot(*place, "k.")
         ax.annotate("Q", place + np.array([8, 3]))
     ax.set(xlabel="theta / deg", ylabel="phi / deg", xlim=(-230, 230))
-    ax.set_xticks(range(-180, 181, 90))
-    ax.set_ylim(-30, 230)
+    ax.set(xticks=range(-180, 181, 90), ylim=(-30, 230))
     ax.legend(fontsize=7, loc="upper center")

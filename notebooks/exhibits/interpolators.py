@@ -5,6 +5,8 @@ for `time_bresenham`. They return the set-values (..., ticks + 1) that a control
 some of them no whole counts.
 """
 
+from functools import partial
+
 import numpy as np
 
 from tunneller_lib.motion.interpolate import time_bresenham
@@ -49,17 +51,24 @@ def listing(t1, t2, y1, y2, T, *, division="floor"):
     """
     samples = (t2 - t1) / T * (1 + 1e-12)  # a last one that rounding would put off is meant
     t = t1 + T * np.arange(int(samples) + 1)
-    return t, _listed(t.size, t2 - t1, y1, y2, division=DIVISIONS[division])
+    return t, _listed(y1, y2, t2 - t1, count=t.size, division=DIVISIONS[division])
 
 
-def printed_listing(start, stop, ticks):
-    """Return the set-values of the listing with a second a tick, in double precision."""
-    return _listed(ticks + 1, ticks, start, stop)
-
-
-def single_listing(start, stop, ticks):
-    """Return the set-values of the listing with a second a tick, in single precision."""
-    return _listed(ticks + 1, ticks, start, stop, np.float32)
+def _listed(start, stop, duration, *, count=None, real=np.float64, division=np.floor):
+    """Return the listing's set-values (..., count), by default with a second a tick."""
+    nx = (np.subtract(stop, start).astype(real) / real(duration)).astype(real)
+    nxi = division(nx)
+    y = np.broadcast_to(start, nx.shape).astype(float)
+    e = np.zeros_like(nx)
+    stored = []
+    for _ in range(count or duration + 1):
+        carry = e > 0.5
+        y = y + carry
+        e = e - carry.astype(real)
+        stored.append(y)
+        y = y + nxi
+        e = e + nx - nxi  # in the listing's order: e + (nx - nxi) rounds otherwise
+    return np.stack(stored, axis=-1)
 
 
 def single_dda(start, stop, ticks):
@@ -78,14 +87,15 @@ def single_dda(start, stop, ticks):
     return np.floor(np.stack(sums, axis=-1).astype(float) + 0.5)
 
 
-def fixed_rounded(start, stop, ticks):
-    """Return the set-values in fixed point, 16 bits each side, slope and value rounded."""
-    return _fixed(start, stop, ticks, ONE // 2)
+def fixed(start, stop, ticks, *, half):
+    """Return the set-values in fixed point, 16 bits each side.
 
-
-def fixed_truncated(start, stop, ticks):
-    """Return the set-values in fixed point, 16 bits each side, slope and value cut off."""
-    return _fixed(start, stop, ticks, 0)
+    Slope and value are rounded if `half` is ONE / 2, and cut off if it is 0.
+    """
+    difference = np.subtract(stop, start)
+    step = (difference * ONE + (ticks // 2 if half else 0)) // ticks
+    run = np.arange(ticks + 1) * np.asarray(step)[..., None]
+    return np.asarray(start)[..., None] + (run + half) // ONE
 
 
 def naive_floor(start, stop, ticks):
@@ -102,35 +112,11 @@ def integer_slope(start, stop, ticks):
 
 INTERPOLATORS = {
     "integer line": time_bresenham,
-    "listing": printed_listing,
-    "listing, single precision": single_listing,
+    "listing": _listed,
+    "listing, single precision": partial(_listed, real=np.float32),
     "DDA, single precision": single_dda,
-    "Q16.16, rounded": fixed_rounded,
-    "Q16.16, truncated": fixed_truncated,
+    "Q16.16, rounded": partial(fixed, half=ONE // 2),
+    "Q16.16, truncated": partial(fixed, half=0),
     "floor of the line": naive_floor,
     "whole slope only": integer_slope,
 }
-
-
-def _listed(count, duration, start, stop, real=np.float64, division=np.floor):
-    """Return the listing's set-values (..., count)."""
-    nx = (np.subtract(stop, start).astype(real) / real(duration)).astype(real)
-    nxi = division(nx)
-    y = np.broadcast_to(start, nx.shape).astype(float)
-    e = np.zeros_like(nx)
-    stored = []
-    for _ in range(count):
-        carry = e > 0.5
-        y = y + carry
-        e = e - carry.astype(real)
-        stored.append(y)
-        y = y + nxi
-        e = e + nx - nxi  # in the listing's order: e + (nx - nxi) rounds otherwise
-    return np.stack(stored, axis=-1)
-
-
-def _fixed(start, stop, ticks, half):
-    difference = np.subtract(stop, start)
-    step = (difference * ONE + (ticks // 2 if half else 0)) // ticks
-    run = np.arange(ticks + 1) * np.asarray(step)[..., None]
-    return np.asarray(start)[..., None] + (run + half) // ONE

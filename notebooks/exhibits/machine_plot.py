@@ -35,7 +35,10 @@ def draw_side_view(ax, machine, egg, theta):
     ax.plot(*(centre + tip), "o", color=COLOURS["tangent sphere"])
     ax.plot([0, 0.45], [machine.height] * 2, color=COLOURS["chord"], lw=0.6)
     ax.add_patch(Arc((0, machine.height), 0.7, 0.7, theta1=0, theta2=-np.degrees(theta), lw=0.8))
-    _dimension(ax, (-0.15, 0.0), (-0.15, machine.height), "$-z_c$")
+    arrow = {"arrowstyle": "<->", "lw": 0.7, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", (-0.15, 0.0), (-0.15, machine.height), arrowprops=arrow)
+    beside = {"xytext": (-3, 0), "textcoords": "offset points", "ha": "right", "va": "center"}
+    ax.annotate("$-z_c$", (-0.15, machine.height / 2), **beside)
     across = 0.06 * np.array([-tip[1], tip[0]]) / np.hypot(*tip)
     ax.annotate("$r$", centre + hinge / 2 + 2 * across, ha="center", va="center")
     ax.annotate("$R$", centre + (hinge + tip) / 2 + across, ha="center", va="center")
@@ -76,10 +79,3 @@ def draw_limits(ax, machine):
     lines = ax.plot(theta[[0, 1, 1, 0, 0]], phi[[0, 0, 1, 1, 0]], color=COLOURS["machine"], lw=2)
     ax.set(xlabel=r"$\theta$ / deg", ylabel=r"$\varphi$ / deg")
     return lines
-
-
-def _dimension(ax, start, stop, text):
-    arrow = {"arrowstyle": "<->", "lw": 0.7, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", start, stop, arrowprops=arrow)
-    middle = np.add(start, stop) / 2
-    ax.annotate(text, middle, (-3, 0), textcoords="offset points", ha="right", va="center")

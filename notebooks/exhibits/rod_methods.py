@@ -35,16 +35,14 @@ def crossings(a, b, radius, point, direction, *, epsilon=0.0):
     accepted : (4, ...) bool
         Whether the surface reaches that far.
     """
-    q, v, along, shift, speed = _setting(a, b, point, direction)
-    vsq = dot(v, v)
-    vz = dot(along, v)
-    vq = dot(q, v)
+    q, v, vsq, vz, vq, along, shift, speed = _setting(a, b, point, direction)
     wide = radius + epsilon
     with np.errstate(all="ignore"):
-        low, high, _ = _wall(q, v, vz, radius)
+        low, high, _ = _wall(q, vsq, vz, vq, radius)
         za = -vq / vz
         zb = (vsq - vq) / vz
-        accepted = [_within(vq + vz * z, vsq, epsilon) for z in (low, high)]
+        shares = [(vq + vz * z) / vsq for z in (low, high)]  # of the axis, m in the document
+        accepted = [(-epsilon <= share) & (share <= 1 + epsilon) for share in shares]
         for z, centre in ((za, 0.0), (zb, v)):
             off = q + z[..., None] * along - centre
             accepted.append(wide * wide >= dot(off, off))
@@ -77,12 +75,9 @@ def slab(a, b, radius, point, direction):
     "The finite cylinder expressed as an intersection of two volumes"; arguments a, b, radius,
     point and direction as of `three_surfaces`.
     """
-    q, v, along, shift, speed = _setting(a, b, point, direction)
-    vsq = dot(v, v)
-    vz = dot(along, v)
-    vq = dot(q, v)
+    q, _, vsq, vz, vq, _, shift, speed = _setting(a, b, point, direction)
     with np.errstate(all="ignore"):
-        low, high, inside = _wall(q, v, vz, radius)
+        low, high, inside = _wall(q, vsq, vz, vq, radius)
         low = np.where(inside, -np.inf, low)
         high = np.where(inside, np.inf, high)
         za = -vq / vz
@@ -107,27 +102,24 @@ METHODS = {
 
 
 def _setting(a, b, point, direction):
-    """Return q across the line, v, the unit direction, where p was along it, and its speed."""
+    """Return q across the line, v, vsq, vz, vq, the unit direction, its way to p, and its speed.
+
+    The letters are the document's.
+    """
     direction = np.asarray(direction, dtype=float)
     speed = norm(direction)
     along = direction / speed[..., None]
     q = np.subtract(point, a)
     shift = dot(q, along)
-    return q - shift[..., None] * along, np.subtract(b, a), along, shift, speed
+    q = q - shift[..., None] * along
+    v = np.subtract(b, a)
+    return q, v, dot(v, v), dot(along, v), dot(q, v), along, shift, speed
 
 
-def _wall(q, v, vz, radius):
+def _wall(q, vsq, vz, vq, radius):
     """Return both roots of the printed quadratic, and whether it has none but holds everywhere."""
-    vsq = dot(v, v)
-    vq = dot(q, v)
     A = vz * vz - vsq  # as printed: it cancels along the axis, the fault that is shown here
     B = vq * vz
     C = vq * vq + radius * radius * vsq - dot(q, q) * vsq
     root = np.sqrt(B * B - A * C)
     return (-B + root) / A, (-B - root) / A, (A == 0) & (C >= 0)
-
-
-def _within(height, vsq, epsilon):
-    """Return whether the share m of the axis lies between 0 and 1, both extended."""
-    share = height / vsq
-    return (-epsilon <= share) & (share <= 1 + epsilon)

@@ -7,7 +7,6 @@ import csv
 import hashlib
 import os
 import sys
-import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
@@ -47,20 +46,14 @@ def compute_blocks(survey, blocks, folder, *, jobs=None):
     folder.mkdir(parents=True, exist_ok=True)
     files = {block: folder / ("-".join(map(str, block)) + ".npy") for block in blocks}
     missing = [block for block in blocks if not files[block].exists()]
-    there = len(blocks) - len(missing)
-    start = time.monotonic()
-    print(f"{there} of {len(blocks)} blocks are there", file=sys.stderr, flush=True)
     count = jobs or len(os.sched_getaffinity(0))
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
         try:
             waiting = {pool.submit(survey, block): block for block in missing}
-            for done, future in enumerate(as_completed(waiting), start=1):
+            for done, future in enumerate(as_completed(waiting), len(files) - len(missing) + 1):
                 with replacement(files[waiting[future]]) as new:
                     np.save(new, future.result())
-                pace = (time.monotonic() - start) / done
-                left = len(missing) - done
-                to_go = f"{there + done} of {len(blocks)} blocks, {pace * left:.0f} s to go"
-                print(to_go, file=sys.stderr, flush=True)
+                print(f"{done} of {len(blocks)} blocks", file=sys.stderr, flush=True)
         except BaseException:  # an interrupt, too: what hasn't begun isn't begun
             pool.shutdown(wait=True, cancel_futures=True)
             raise
@@ -82,12 +75,9 @@ def write_atlas(folder, table, *, jobs=None):
     with replacement(table) as new, new.open("w", newline="") as file:
         writer = csv.DictWriter(file, rows[0], lineterminator="\n")
         writer.writeheader()
-        writer.writerows({name: _plain(value) for name, value in row.items()} for row in rows)
-
-
-def _plain(value):
-    """Return a number with nine digits, other values as they are."""
-    return f"{value:.9g}" if isinstance(value, float) else value
+        for row in rows:  # numbers with nine digits
+            plain = (f"{one:.9g}" if isinstance(one, float) else one for one in row.values())
+            writer.writerow(dict(zip(row, plain, strict=True)))
 
 
 if __name__ == "__main__":

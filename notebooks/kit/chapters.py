@@ -174,7 +174,8 @@ def contents_table():
     lines = []
     for part in _contents()["part"]:
         lines += [f"### {part['name']}", "", f"| {' | '.join(HEADS)} |", "|-|-|-|-|-|"]
-        for c in _chapters_of(part, every):
+        first, last = part["chapters"]
+        for c in (chapter for chapter in every if first <= chapter.number <= last):
             lines.append(f"| {c.link} | {c.question} | {c.found} | {c.needs} | {c.minutes} |")
         lines.append("")
     return _markdown("\n".join(lines))
@@ -220,11 +221,6 @@ def worth(words, notebook="42_budget"):
     The names in braces are those of numbers that the notebook recorded.
     """
     return _markdown(f"**What it is worth on the wall.** {filled(notebook, words)}")
-
-
-def _chapters_of(part, every):
-    first, last = part["chapters"]
-    return [chapter for chapter in every if first <= chapter.number <= last]
 
 
 def _contents():

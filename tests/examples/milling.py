@@ -9,7 +9,6 @@ from tunneller_lib.milling import (
     BladeRing,
     ConicalMill,
     CylinderMill,
-    Nurbs,
     Patch,
     cover,
     find_positions,
@@ -24,10 +23,6 @@ def saddle(s, t):
     return [s, t, 30 * s * t]
 
 
-LINE = np.linspace(0, 1, 4)
-KNOTS = [0.0] * 4 + [1.0] * 4
-SURFACE = {"control": np.stack(np.broadcast_arrays(LINE[:, None], LINE, 0.0), axis=-1),
-           "knots_s": KNOTS, "knots_t": KNOTS}  # fmt: skip
 RING = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
         "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
 PATCH = Patch(saddle, (-0.01, 0.01), (-0.01, 0.01))
@@ -60,7 +55,6 @@ INSTANCES = {
     ConicalMill: MILL,
     Coverage: covered,
     CylinderMill: CylinderMill(0.005, 0.02),
-    Nurbs: Nurbs(**SURFACE),
     Patch: PATCH,
     Positions: found,
     Strip: lambda: strip_across(PATCH, MILL, chain(), reach=0.005, m=5),
@@ -69,7 +63,6 @@ INSTANCES = {
 CALLS = {
     "BladeRing": RING,
     "ConicalMill": SIZES,
-    "Nurbs": SURFACE,
     "Patch": {"surface": saddle, "s": (-0.01, 0.01), "t": (-0.01, 0.01)},
     "coverage_of": lambda: {"mill": MILL, "chains": covered().chains, "n": 11},
     "cover": lambda: {"found": found(), "step": 1e-3, "most": 1} | LOOK,

@@ -119,8 +119,8 @@ USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, the defaults
 
 # The models of both axes that a job may ask for; a further model is one entry here.
 PLANTS = {
-    "T0": lambda job: [Integrator(job.full_rate)] * 2,
-    "T1": lambda job: [Lag(job.full_rate, job.sizes.valve_lag)] * 2,
+    "T0": lambda job: [Integrator(FULL_SPEED / job.made.R)] * 2,
+    "T1": lambda job: [Lag(FULL_SPEED / job.made.R, job.sizes.valve_lag)] * 2,
     "T2": lambda job: [Rigid(axis) for axis in job.cylinders],
     "T3": lambda job: [Compressible(axis) for axis in job.cylinders],
 }
@@ -204,11 +204,6 @@ class Job:
             return axes_of(self.made, sizes)
 
     @property
-    def full_rate(self):
-        """Return the full speed of both joints of a model without cylinders, in rad/s."""
-        return FULL_SPEED / self.made.R
-
-    @property
     def oily(self):
         """Return whether both axes are hydraulic."""
         return all(plant.hydraulics is not None for plant in self.axes[0])
@@ -285,11 +280,6 @@ class Job:
         """Return the `Pose` by which the machine stands elsewhere without knowing it, or None."""
         with said_of("pose"):
             return Pose(**self.pose) if self.pose else None
-
-    @property
-    def limit(self):
-        """Return the overbreak at which the colour scale of pictures ends, in m."""
-        return 1.5 * self.plan["tolerance"]
 
     def simulated(self, say=None):
         """Return the `Cut`; `say` is called with sentences about the progress."""

@@ -16,10 +16,11 @@ WHOLE = 0.999  # share of the depth of cut: ground that stands farther in is unt
 def write_pictures(job, cut, wall, laps):
     """Write the unrolled wall of a job's cut and its laps to PNG files; return their paths."""
     figure = Figure(figsize=(6.3, 3.6), layout="constrained")
-    draw_unrolled(figure.subplots(), cut, limit=job.limit)
+    tolerance = job.plan["tolerance"]
+    draw_unrolled(figure.subplots(), cut, limit=1.5 * tolerance)
     write_drawing(wall, figure, job.stamp)
     figure = Figure(figsize=(6.3, 2.4), layout="constrained")
-    draw_laps(figure.subplots(), cut, tolerance=job.plan["tolerance"])
+    draw_laps(figure.subplots(), cut, tolerance=tolerance)
     return [wall, write_drawing(laps, figure, job.stamp)]
 
 

@@ -1,10 +1,10 @@
 """What conical mills in third-order contact leave of a surface: positions, strips, scallops.
 
 After Envelopes, section 6 and its outlook. A surface is any function of two variables that
-`envelopes` takes: the blades of a `BladeRing`, or a `Nurbs` face by control points and knots.
+`envelopes` takes, such as the blades of a `BladeRing`.
 """
 
-from .faces import BladeRing, Nurbs, Patch
+from .faces import BladeRing, Patch
 from .positions import find_positions
 from .strips import ball_chain, cover, coverage_of, cylinder_chain, find_scallops, strip_across
 from .tools import BallMill, ConicalMill, CylinderMill
@@ -14,7 +14,6 @@ __all__ = [
     "BladeRing",
     "ConicalMill",
     "CylinderMill",
-    "Nurbs",
     "Patch",
     "ball_chain",
     "cover",

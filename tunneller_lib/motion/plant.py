@@ -47,13 +47,6 @@ class Plant(ABC):
     def functions(self):
         """Return the compilable functions that `ticks` calls, by name: "ticked", "commanding"."""
 
-    @checked
-    def stepper(self, tick: Tick):
-        """Return the function (state, command) -> state after a tick in s."""
-        numbers = self.numbers(tick)
-        ticked = self.functions()["ticked"]
-        return lambda state, u: ticked(numbers, state, u)
-
     def linear(self, angle):
         """Return the `LinearPlant` of small motions about a joint angle in rad.
 

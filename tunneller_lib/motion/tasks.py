@@ -218,14 +218,17 @@ def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
     Tunnelling robot, section 4.4 and Fig. 7. A double buffer never starves if the
     `background_response` to the highest cost is at most the time of the shortest segment.
     """
-    costs, ticks = _segments(costs, ticks)
+    if not len(costs):
+        raise ValueError("costs: must be a list, not empty; got none.")
+    if len(costs) != len(ticks):
+        raise ValueError(f"ticks: needs one entry for each cost; got {len(ticks)}, {len(costs)}.")
     _leaves_time(tasks)
     idle, cycle = _idle(tasks)
     tick = tasks[0].period
     ready = []
     needed = [0]
     started = []
-    for k, (cost, number) in enumerate(zip(costs, ticks, strict=True)):
+    for k, (cost, number) in enumerate(zip(costs.tolist(), ticks.tolist(), strict=True)):
         # A preparation begins once the one before is finished and a place is free.
         before = ready[-1] if ready else 0
         free = max(before, started[k - depth] if k >= depth else 0)
@@ -242,20 +245,10 @@ def buffer_depth(tasks: Tasks, costs: Times, ticks: Times):
 
     The arguments (tasks, costs, ticks) are those of `hand_over`.
     """
-    _segments(costs, ticks)
-    for depth in range(1, len(costs) + 1):
+    for depth in range(1, max(len(costs), 1) + 1):
         if not any(hand_over(tasks, costs, ticks, depth=depth).starved[1:]):
             return depth
     return None
-
-
-def _segments(costs, ticks):
-    """Return costs and ticks as lists, which must be equally long and not empty."""
-    if not len(costs):
-        raise ValueError("costs: must be a list, not empty; got none.")
-    if len(costs) != len(ticks):
-        raise ValueError(f"ticks: needs one entry for each cost; got {len(ticks)}, {len(costs)}.")
-    return costs.tolist(), ticks.tolist()
 
 
 def _response(urgent, cost, latest):

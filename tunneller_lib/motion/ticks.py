@@ -163,15 +163,9 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
         states = np.empty((len(start), ticks + 1))
         states[:, 0] = start
         commands = np.empty(ticks)
-        given = (
-            numbers,
-            control_of(loop),
-            np.zeros(1 + loop.delay),
-            start,
-            *(np.require(row, requirements="CW") for row in (values, rates)),
-            states,
-            commands,
-        )
+        wanted = [np.require(row, requirements="CW") for row in (values, rates)]
+        memory = np.zeros(1 + loop.delay)
+        given = numbers, control_of(loop), memory, start, *wanted, states, commands
         expect(plain_seconds(numbers, ticks), "axes")
         kept = _run(run_axis, given, own_inverse, **plant.functions())
         if kept < ticks:
@@ -223,20 +217,11 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
             rows = np.array(rows[: ticks - done], order="C")
             end = done + len(rows)
             memories[:] = remembered
-            given = (
-                machine,
-                tick,
-                controls,
-                memories,
-                done,
-                state,
-                setvalues[done:end],
-                slopes[done:end],
-                rows,
-                parts_in(machine, least, rows, tick),
-                states[done : end + 1],
-                commands[done:end],
-            )
+            begun = machine, tick, controls, memories, done, state
+            wanted = setvalues[done:end], slopes[done:end]
+            pushed = rows, parts_in(machine, least, rows, tick)
+            filled = states[done : end + 1], commands[done:end]
+            given = *begun, *wanted, *pushed, *filled
             kept = _run(run_joints, given, own_inverse, commanding=spool_at)
             if kept < len(rows):
                 for axis, angle in zip(axes, states[done + kept + 1, [0, 5]], strict=True):

@@ -204,7 +204,7 @@ def _between(plan, at):
 
 def _overbreak(plan, way):
     """Return the overbreak (ticks + 1,) of another way at the places of the ticks, in m."""
-    return plan.circuit.overbreak(way.at(way.length_at(plan.places)))
+    return plan.circuit.overbreak(way.at(np.interp(plan.places, way.places, way.ends)))
 
 
 def _followed(case, loops, wanted):

@@ -1,9 +1,9 @@
 """The fastest feed along a path under limits of speed, power, oil and acceleration.
 
 The acceleration a along the way changes the square x = v^2 of the feed v by dx/dl = 2 a. At each
-place the joints' accelerations q' a + q'' x are linear in both, so every limit of their size is a
-convex set of (a, x) about the origin. A pass backwards finds the greatest x from which the rest can
-still be run; a pass forwards then goes as fast as these allow.
+place the joints' accelerations q' a + q'' x are linear in both, so the cutter's limit is an ellipse
+of (a, x) about the origin. A pass backwards finds the greatest x from which the rest can still be
+run; a pass forwards then goes as fast as these allow.
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,6 @@ from ..arguments import LEAST, MOST, Array, Number, Size, checked
 from ..motion.hydraulics import Hydraulics
 from ..motion.quantities import Pair
 from ..removal import Ground
-
-HALVINGS = 60  # of the range in which the greatest x of a place lies
 
 Bound = Number(
     LEAST,
@@ -50,8 +48,6 @@ class Limits:
         Greatest opening of the valves in steady motion, at most 1; needs `axes`.
     axes : (Hydraulics, Hydraulics), optional
         The axes theta and phi.
-    joint_speed, joint_acceleration : float
-        Greatest speed and acceleration of each joint, in rad/s and rad/s^2.
     power : float
         Greatest power of the cutter head on whole grooves, as in a first lap, in W; needs
         `ground`.
@@ -71,8 +67,6 @@ class Limits:
     flow: Bound = np.inf
     valve: Bound = np.inf
     axes: Pair(Hydraulics) | None = None
-    joint_speed: Bound = np.inf
-    joint_acceleration: Bound = np.inf
     power: Bound = np.inf
     ground: Ground | None = None
 
@@ -103,8 +97,7 @@ class Limits:
             As for `bounds`, in m, rad and m^2.
         turns : (3, m + 1, 2) float, optional
             First and second derivatives of the positions by the length of way, in rad/m and
-            rad/m^2, and the levers of both joints, in m. Without them the way is taken as straight,
-            and the joints' limits are left out.
+            rad/m^2, and the levers of both joints, in m. Without them the way is taken as straight.
 
         Returns
         -------
@@ -120,16 +113,10 @@ class Limits:
         bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
         # A place belongs to the move before it and to the one after it.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
-        joint_acceleration = self.joint_acceleration
         if turns is None:
-            joint_acceleration = np.inf
             turns = np.tile([[[1.0, 0.0]], [[0.0, 0.0]], [[1.0, 1.0]]], (1, len(square), 1))
-        else:
-            _check_shapes(len(lengths), turns=turns[0])
-            with np.errstate(divide="ignore", over="ignore"):
-                fastest_turn = (self.joint_speed / np.max(np.abs(turns[0]), axis=-1)) ** 2
-            square = np.minimum(square, fastest_turn)
-        return np.sqrt(fastest(lengths, square, self.acceleration, joint_acceleration, turns))
+        _check_shapes(len(lengths), turns=turns[0])
+        return np.sqrt(fastest(lengths, square, self.acceleration, turns))
 
     @checked
     def bounds(
@@ -215,7 +202,7 @@ def _check_shapes(moves, **arrays):
             raise ValueError(f"{name}: must be {wanted} for {moves} moves; got {array.shape}.")
 
 
-def fastest(lengths, square, acceleration, joint_acceleration, turns):
+def fastest(lengths, square, acceleration, turns):
     """Return the squares (m + 1,) of the greatest feed from rest to rest over moves (m,), in m.
 
     Parameters
@@ -224,22 +211,29 @@ def fastest(lengths, square, acceleration, joint_acceleration, turns):
         Lengths of the moves, in m.
     square : (m + 1,) float
         Greatest squares of the feed at their ends by limits of speed, in m^2/s^2.
-    acceleration, joint_acceleration : float
-        Limits of the cutter, in m/s^2, and of each joint, in rad/s^2; infinite for none.
+    acceleration : float
+        Limit of the cutter, in m/s^2.
     turns : (3, m + 1, 2) float
         As of `Limits.profile`.
     """
-    ellipse = _ellipses(acceleration, turns)
-    line = _lines(joint_acceleration, turns)
-    top = _highest(square, acceleration, ellipse, line).tolist()
+    slope, bend, lever = turns
+    # The cutter's limit is the ellipse g11 a^2 + 2 g12 a x + g22 x^2 = acceleration^2.
+    ellipse = (
+        np.sum((lever * slope) ** 2, -1),
+        np.sum(lever * slope * (lever * bend), -1),
+        np.sum((lever * bend) ** 2, -1),
+    )
+    g11, g12, g22 = ellipse
+    with np.errstate(divide="ignore", over="ignore"):
+        # It ends at x = acceleration / sqrt(g22 - g12^2 / g11).
+        rise = np.sqrt(np.maximum(g22 - g12**2 / g11, 0))
+        top = np.minimum(square, acceleration / rise).tolist()
     ellipses = list(zip(*(part.tolist() for part in ellipse), strict=True))
-    lines = [list(zip(c.tolist(), d.tolist(), strict=True)) for c, d in zip(*line, strict=True)]
     top[0] = top[-1] = 0.0
     limit = acceleration * acceleration
     steps = (2 * lengths).tolist()  # dx = 2 a dl: a move changes x by step times a
     # Backwards: the greatest x from which braking as hard as allowed still gets down to `goal`, the
-    # greatest x at the move's end. The cutter's limit is the ellipse
-    # g11 a^2 + 2 g12 a x + g22 x^2 = limit, a joint's are the lines |a + d x| = c.
+    # greatest x at the move's end.
     for i in reversed(range(len(steps))):
         step = steps[i]
         goal = top[i + 1]
@@ -255,68 +249,13 @@ def fastest(lengths, square, acceleration, joint_acceleration, turns):
             x = (sqrt(under) - h) / p if under < inf else inf
             if x < best and (goal - x) * g11 <= -g12 * x * step:
                 best = x
-        # With a = -c - d x the goal is met at x (1 - step d) = goal + step c.
-        for line in lines:
-            c, d = line[i]
-            if 1 - step * d > 0:
-                best = min(best, (goal + step * c) / (1 - step * d))
         top[i] = best
-    # Forwards from rest: x grows by the most that ellipse and lines allow, up to the first pass.
-    # Where they allow no growth the feed falls, at worst to rest.
+    # Forwards from rest: x grows by the most that the ellipse allows, up to the first pass. Where
+    # that allows no growth the feed falls, at worst to rest.
     found = [0.0]
     for i, step in enumerate(steps):
         x = found[-1]
         g11, g12, g22 = ellipses[i]
         most = (sqrt(max(g12 * g12 * x * x - g11 * (g22 * x * x - limit), 0.0)) - g12 * x) / g11
-        for line in lines:
-            c, d = line[i]
-            most = min(most, c - d * x)
         found.append(min(top[i + 1], max(x + step * most, 0.0)))
     return np.array(found)
-
-
-def _ellipses(acceleration, turns):
-    """Return g11, g12, g22 (m + 1,) of g11 a^2 + 2 g12 a x + g22 x^2 <= acceleration^2."""
-    slope, bend, lever = turns
-    if np.isinf(acceleration):  # any ellipse will do, also where nothing moves
-        return np.ones(len(slope)), *np.zeros((2, len(slope)))
-    return (
-        np.sum((lever * slope) ** 2, -1),
-        np.sum(lever * slope * (lever * bend), -1),
-        np.sum((lever * bend) ** 2, -1),
-    )
-
-
-def _lines(joint_acceleration, turns):
-    """Return c, d (joints, m + 1) of |a + d x| <= c, or none if joints aren't limited."""
-    slope, bend, _ = turns
-    if np.isinf(joint_acceleration):
-        return np.zeros((2, 0, len(slope)))
-    # Where a joint hardly moves its limit bounds only the feed: c and d are large together.
-    slope = np.where(np.abs(slope.T) < 1e-12, 1e-12, slope.T)
-    return joint_acceleration / np.abs(slope), bend.T / slope
-
-
-def _highest(square, acceleration, ellipse, line):
-    """Return the greatest squares (m + 1,) at which any acceleration is allowed at all."""
-    g11, g12, g22 = ellipse
-    c, d = line
-    with np.errstate(divide="ignore", over="ignore"):
-        # The ellipse ends at x = acceleration / sqrt(g22 - g12^2 / g11).
-        rise = np.sqrt(np.maximum(g22 - g12**2 / g11, 0))
-        high = np.minimum(square, acceleration / rise)
-    if not len(c):
-        return high
-    low = np.zeros_like(high)
-    top = high
-    # The least a that one limit allows must not exceed the most that another allows.
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        under = g11 * acceleration**2 - (g11 * g22 - g12**2) * middle**2
-        root = np.sqrt(np.maximum(under, 0))
-        most = np.minimum((root - g12 * middle) / g11, np.min(c - d * middle, axis=0))
-        least = np.maximum((-root - g12 * middle) / g11, np.max(-c - d * middle, axis=0))
-        allowed = least <= most
-        low = np.where(allowed, middle, low)
-        high = np.where(allowed, high, middle)
-    return np.where(high >= top, top, low)

@@ -59,7 +59,7 @@ class Moves:
 
 
 def strains(torus, positions, tick, limits):
-    """Return the accelerations of a run as shares of their limits.
+    """Return the cutter's accelerations in a run as shares of their limit.
 
     Parameters
     ----------
@@ -75,15 +75,12 @@ def strains(torus, positions, tick, limits):
     Returns
     -------
     acceleration : (n + 1,) float
-        At each tick the greater of the cutter's share and the joints'.
+        The share at each tick.
     """
     lever = levers(torus, positions)
     still = np.concatenate([positions[:1], positions, positions[-1:]])
     second = np.diff(still, n=2, axis=0) / tick**2
-    return np.maximum(
-        np.linalg.norm(lever * second, axis=-1) / limits.acceleration,
-        np.abs(second).max(-1) / limits.joint_acceleration,
-    )
+    return np.linalg.norm(lever * second, axis=-1) / limits.acceleration
 
 
 def levers(torus, positions):

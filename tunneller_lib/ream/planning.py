@@ -115,7 +115,7 @@ class Plan(Moves):
         """Return the shares of the limits that the exact slopes of a lap use, at most 1, as a dict.
 
         The setpoints aren't rounded yet. Speeds are taken amid the moves; an acceleration is the
-        change of slope from move to move, within a single tick. An infinite limit is used by 0.
+        change of slope from move to move, within a single tick.
         """
         torus = self.circuit.machine.torus
         ends = self.setpoints
@@ -124,12 +124,9 @@ class Plan(Moves):
         changes = np.diff(np.concatenate([still, slopes, still]), axis=0) / self.tick
         speed = np.linalg.norm(torus.velocity((ends[1:] + ends[:-1]) / 2, slopes), axis=-1)
         acceleration = np.linalg.norm(torus.velocity(ends, changes), axis=-1)
-        limits = self.limits
         return {
-            "feed": float(speed.max() / limits.feed),
-            "acceleration": float(acceleration.max() / limits.acceleration),
-            "joint_speed": float(np.abs(slopes).max() / limits.joint_speed),
-            "joint_acceleration": float(np.abs(changes).max() / limits.joint_acceleration),
+            "feed": float(speed.max() / self.limits.feed),
+            "acceleration": float(acceleration.max() / self.limits.acceleration),
         }
 
     @checked
@@ -178,7 +175,6 @@ def plan(
     advance: Length0 = 0.0,
     arm_radius: Length0 = 0.0,
     path: Way = "projected chord",
-    blend: Length | None = None,
     clearance: Length0 = 5e-3,
 ):
     """Return the `Plan` by which a machine cuts a section, or refuse what it can't do.
@@ -191,7 +187,8 @@ def plan(
         The limits of the motion.
     tolerance : float
         Largest over- or underbreak of the paths between knots, in m, which decides their number.
-        Moves and counts add theirs; see `budget`.
+        Rounded corners may miss their knots by half of it. Moves and counts add theirs; see
+        `budget`.
     step : float
         Greatest distance between setpoints, in m, which the slow task prepares and the fast one
         joins by integer lines. Where the feed or the direction changes the moves are shorter.
@@ -209,9 +206,6 @@ def plan(
         Radius of a round-ended rod about the arm that must stay clear of the intact wall, in m.
     path : {"projected chord", "corrected chord"}
         The one of `CHORD_PATHS` that joins the knots: the paper's, or the one next to a geodesic.
-    blend : float, optional
-        Distance by which rounded corners may miss their knots, in m; by default half the
-        tolerance.
     clearance : float
         Clearance between the cutter and the intact ground at the begin and the end, in m.
 
@@ -249,8 +243,7 @@ def plan(
         )
     clearances = _kept_clear(circuit, arm_radius)
     torus = circuit.machine.torus
-    blend = tolerance / 2 if blend is None else blend
-    way = route_through(circuit, knots, way=path_points(torus, path), blend=blend)
+    way = route_through(circuit, knots, way=path_points(torus, path), blend=tolerance / 2)
     length, speed, moment, straight_time = _eased(
         way, circuit, limits, advance if laps > 1 else 0.0, tick
     )
@@ -384,7 +377,6 @@ def _at_ticks(way, torus, limits, length, speed, moment, tick):
         excess = max(
             np.sqrt(strains(torus, way.at(along), tick, limits).max()),
             np.max(np.diff(along) / tick / limits.feed),
-            np.max(np.abs(np.diff(way.at(along), axis=0))) / tick / limits.joint_speed,
         )
         if excess <= 1 + 1e-7:
             return along
@@ -421,8 +413,6 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
     turn = end - start
     ends = np.stack([start, (start + end) / 2, end])
     distance = float(np.linalg.norm(levers(torus, ends) * turn, axis=-1).max())
-    # The joints' limits are scaled to m of the cutter's way.
-    scale = distance / np.abs(turn).max()
     # At the greatest depth the plunging ball has its whole cap in the ground.
     cap = np.pi * machine.depth * (2 * machine.cutter_radius - machine.depth)
     slopes = np.tile(turn / distance, (3, 1))
@@ -433,12 +423,7 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
         groove=np.full(2, cap),
         pushed=levers(torus, ends) ** 2 * slopes,
     ).min()
-    ticks = move_ticks(
-        distance,
-        min(float(speed), limits.joint_speed * scale),
-        GENTLY * min(limits.acceleration, limits.joint_acceleration * scale),
-        tick,
-    )
+    ticks = move_ticks(distance, float(speed), GENTLY * limits.acceleration, tick)
     shares = move_shares(ticks)
     positions = start + shares[:, None] * turn
     positions[-1] = end

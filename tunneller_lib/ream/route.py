@@ -109,11 +109,6 @@ class Route:
         """Return the arc lengths (...) along the offset section, in m, at lengths of way."""
         return np.interp(length, self.ends, self.places)
 
-    @checked
-    def length_at(self, place: Lengths):
-        """Return the lengths of way (...), in m, at arc lengths along the offset section."""
-        return np.interp(place, self.places, self.ends)
-
 
 def path_points(torus, path):
     """Return the function (p, q, points) -> (k, points, 2) of a path, in equal arcs."""

@@ -198,16 +198,8 @@ class Linkage:
         return self._numbers(min(lengths), max(lengths))
 
     def _numbers(self, shortest, longest):
-        return Cylinders(
-            self.a,
-            self.b,
-            self.mounting,
-            float(self.sense),
-            self.pair,
-            *self.areas,
-            shortest,
-            longest,
-        )
+        pivots = self.a, self.b, self.mounting, float(self.sense), self.pair
+        return Cylinders(*pivots, *self.areas, shortest, longest)
 
     @checked
     def check(self, low: Angle, high: Angle):
