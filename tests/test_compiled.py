@@ -24,6 +24,7 @@ from tunneller_lib.paths import (
     geodesic_inverse,
     inverse_problem,
 )
+from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Rod, Torus, blocks
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -102,6 +103,49 @@ def test_machine_in_ground_has_the_same_bits_both_ways(both_ways):
     slopes = np.diff(RAMP, axis=0) / T
     run = lambda: follow(OILY, LOOPS["usual"], RAMP, slopes=slopes, arm=arm, push=push)  # noqa: E731
     assert_same_bits(both_ways(run))
+
+
+GRIDS = {
+    "block": lambda: DexelGrid.cartesian((-1, -1, 0), (1, 1, 1), (40, 50)),
+    "wall": lambda: DexelGrid.radial(-1, 1, 0.3, 1.0, (40, 60)),
+    "fine wall": lambda: DexelGrid.radial(-1, 1, 0.3, 1.0, (400, 720)),  # more than one block
+    "wall with gaps": lambda: DexelGrid.radial(-1, 1, 0.3, np.linspace(0.9, 0.3, 60), (40, 60)),
+}
+TURNING = np.linspace(0, 7, 40)
+PATHS = {
+    "ball": ([[0.1, 0.2, 0.5]], 0.2),
+    "resting": ([[0.1, 0.2, 0.5]] * 5, 0.2),
+    "short moves": (
+        np.add(np.cumsum(np.random.default_rng(3).uniform(-0.1, 0.1, (60, 3)), 0), (0, 0.3, 0.4)),
+        0.2,
+    ),
+    "long moves": (np.random.default_rng(4).uniform(-1, 1, (30, 3)), 0.05),
+    "round and round": (
+        np.stack([TURNING / 20, 0.7 * np.cos(TURNING), 0.7 * np.sin(TURNING)], axis=-1),
+        0.1,
+    ),
+    "along lines": ([[0, 0, 0.2], [0, 0, 0.4], [0, 0, 0.7], [0.01, 0, 0.6]], 0.1),
+    "about the axis": ([[-0.5, 0, 0], [0, 0, 0], [0.2, 0, 0.01], [0.5, 0, 0]], 0.4),
+    # Two moves beside each other, and one that joins them outside of the material.
+    "apart": ([[0, 0.5, 0.5], [0, 0.7, 0.5], [5, 0.7, 0.5], [5, 0.6, 0.9], [0, 0.6, 0.9]], 0.1),
+    "clear": ([[9, 9, 9], [9, 9, 8]], 0.1),
+}
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("grid", GRIDS)
+def test_grid_is_cut_to_the_same_bits_both_ways(grid, path, both_ways):
+    centres, radius = PATHS[path]
+
+    def run():
+        cut = GRIDS[grid]()
+        removed = cut.cut_path(centres, radius)
+        return cut, [removed, cut.cut_path(np.add(centres, (0.03, 0.02, -0.01)), radius)]
+
+    (plain, removed), (fast, removed_fast) = both_ways(run)
+    assert removed == removed_fast and (path == "clear") == (sum(removed) == 0)
+    np.testing.assert_array_equal(plain.low, fast.low)
+    np.testing.assert_array_equal(plain.high, fast.high)
 
 
 def of_all_families(kind, n):

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from tests.bench.conftest import best_times
+from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod
@@ -56,8 +57,15 @@ def bound(bound_in_c):
     return cut_path
 
 
+@pytest.mark.parametrize("way", ["whole arrays", "compiled"])
 @pytest.mark.parametrize("count", [1, 1000, TICKS])
-def test_circuit_of_ticks_against_c(benchmark, say, note, bound, count):
+def test_circuit_of_ticks_against_c(benchmark, say, note, bound, monkeypatch, count, way):
+    if way == "compiled":
+        pytest.importorskip("numba", reason="what is compiled is timed")
+    # No amount of work changes the way meanwhile.
+    monkeypatch.setattr(compiled._Work, "compiled", way == "compiled")
+    amount = np.inf if way == "compiled" else -np.inf
+    monkeypatch.setattr(compiled._Work, "of_kind", {"grid": amount})
     tunnel, centres = circuit_of_ticks()
     centres = np.ascontiguousarray(centres[: count + 1])
     radius = REFERENCE_MACHINE.cutter_radius
@@ -75,11 +83,11 @@ def test_circuit_of_ticks_against_c(benchmark, say, note, bound, count):
         np.testing.assert_array_equal(grid.low, grids[0].low)
         np.testing.assert_array_equal(grid.high, grids[0].high)
     assert 0 < removed == pytest.approx(bound(tunnel, centres, radius), rel=1e-12)
-    about = f"{count} capsules on 400 x 720 rays"
+    about = f"{count} capsules on 400 x 720 rays, {way}"
     say(f"{about}, us a capsule", 1e6 * mine / count)
     say(f"{about}, time over that of C, all intervals the same to the last bit", mine / limit)
     note(
-        "ball swept through 400 x 720 rays, whole arrays", "capsule", count, mine / count,
+        f"ball swept through 400 x 720 rays, {way}", "capsule", count, mine / count,
         bound_s=limit / count, criterion="the same intervals to the last bit",
     )  # fmt: skip
 

@@ -5,11 +5,14 @@ import os
 import numpy as np
 
 from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, checked
+from ..kernels import compiled
+from ..kernels.elementwise import NUMBERS
 from ..kernels.exact import norm
 from ..surfaces.solid import Solid
-from .grid import Lines, fan, parallel, swept
+from .grid import Lines, fan, meet_moves, parallel, swept
 
 GROUP = 8  # moves of a path that are cut together
+MOVE = 4e-4  # s, about what one move takes with whole arrays
 LEAN = 1e-2  # the least cosine that is taken between a line and the ball's normal
 GREATER = 2  # moves are cut together if their window has at most this times the widest one's lines
 
@@ -180,6 +183,7 @@ class DexelGrid:
             The volume, in m^3.
         """
         a, b = (centres, centres) if len(centres) == 1 else (centres[:-1], centres[1:])
+        compiled.expect(MOVE * len(a), "grid")
         windows = self.lines.windows(a, b, radius, self._nearest).tolist()
         removed = 0.0
         for here in range(0, len(a), GROUP):
@@ -270,28 +274,59 @@ class DexelGrid:
         middle = (a[0] + b[-1]) / 2
         away = norm(np.concatenate([a, b]) - middle).max()
         about = (radius + away) * (1 + 1e-9)
+        met = self._moves_one_by_one if compiled.ready("grid") else self._moves_at_once
         for rows, columns in self.lines.blocks(window):
-            enter, leave = self.lines.meet_ball(middle, about, rows, columns)
-            low = self.low[:, rows, columns]
-            high = self.high[:, rows, columns]
-            i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
-            i = i + rows.start
-            j = j + columns.start
-            seen = self.lines.seen(a, b, j[:, None])
-            enter, leave = swept(self.lines.x[i, None], self.lines.aside[j[:, None]], radius, seen)
-            enter = enter[..., 0]
-            leave = leave[..., 0]
-            # What a move takes from a line nearly always overlaps with what the moves before it
-            # took, as they share a ball. While that holds on every line the moves together take
-            # one interval, which goes at once; one gap anywhere, and the moves go one by one.
-            first = np.minimum.accumulate(enter)
-            last = np.maximum.accumulate(leave)
-            met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
-            apart = (enter[1:] > last[:-1]) | (leave[1:] < first[:-1])
-            if np.any(met & apart):
-                yield i, j, enter, leave
-            else:
-                yield i, j, first[-1:], last[-1:]
+            yield met(a, b, radius, middle, about, rows, columns)
+
+    def _moves_at_once(self, a, b, radius, middle, about, rows, columns):
+        """Return what `_met_by` yields of one window, by whole arrays.
+
+        A ball about the `middle` of the radius `about` holds all moves, in m.
+        """
+        enter, leave = self.lines.meet_ball(middle, about, rows, columns)
+        low = self.low[:, rows, columns]
+        high = self.high[:, rows, columns]
+        i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
+        i = i + rows.start
+        j = j + columns.start
+        seen = self.lines.seen(a, b, j[:, None])
+        enter, leave = swept(self.lines.x[i, None], self.lines.aside[j[:, None]], radius, seen)
+        enter = enter[..., 0]
+        leave = leave[..., 0]
+        # What a move takes from a line nearly always overlaps with what the moves before it
+        # took, as they share a ball. While that holds on every line the moves together take
+        # one interval, which goes at once; one gap anywhere, and the moves go one by one.
+        first = np.minimum.accumulate(enter)
+        last = np.maximum.accumulate(leave)
+        met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
+        apart = (enter[1:] > last[:-1]) | (leave[1:] < first[:-1])
+        if np.any(met & apart):
+            return i, j, enter, leave
+        return i, j, first[-1:], last[-1:]
+
+    def _moves_one_by_one(self, a, b, radius, middle, about, rows, columns):
+        """Return what `_moves_at_once` does, with the same bits, by a compiled loop."""
+        size = (rows.stop - rows.start) * (columns.stop - columns.start)
+        i, j = np.empty((2, size), dtype=int)
+        enter, leave = np.empty((2, 1 + len(a), size))
+        x, cos, sin, aside, _, _ = self.lines
+        found, apart = compiled.call(
+            meet_moves,
+            self.low,
+            self.high,
+            (x, cos, sin, aside),
+            (rows.start, rows.stop, columns.start, columns.stop),
+            (*middle.tolist(), float(about)),
+            radius,
+            self.lines.seen(a, b, columns),
+            i,
+            j,
+            enter,
+            leave,
+            **NUMBERS,
+        )
+        cuts = slice(1, None) if apart else slice(1)
+        return i[:found], j[:found], enter[cuts, :found], leave[cuts, :found]
 
     def _met(self, enter, leave, i, j):
         """Yield the intervals that a cut meets: their slot and lines, where it enters and leaves.
