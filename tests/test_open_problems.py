@@ -4,23 +4,9 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from tests import symbols_open as shared
 from tests.symbols_envelopes import EQ9, EQ11, EQ12, EQ25, UT, VT, at, eq14
-from tests.symbols_open import (
-    D,
-    a,
-    e,
-    form,
-    kappa,
-    p,
-    q,
-    qa,
-    qaa,
-    rho,
-    vanishes,
-    vanishes_at_fractions,
-    w,
-    xe,
-)
+from tests.symbols_open import D, a, e, form, kappa, p, q, qa, qaa, rho, vanishes, w, xe
 from tests.test_equations_envelopes_open import HALF_ANGLES, halves_along_the_circle
 from tunneller_lib.envelopes import hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.families import cyclide
@@ -39,10 +25,10 @@ def test_circle_keeps_its_radius():
 def test_eq12_is_the_derivative_of_eq11_along_the_circle():
     # (11) is rho^3 q/p; and where q = 0 what is left of (12) is rho^3/p (rho D_e q + q_a).
     eleven = rho**2 * (rho * form(e, e, e) + 3 * form(e, w))
-    assert vanishes_at_fractions(eleven - rho**3 * q / p)
+    assert shared.vanishes_at_fractions(eleven - rho**3 * q / p)
     twelve = rho**3 * (rho * D(e, q) + qa) / p
     rest = 2 * rho**4 * xe * q / p**2
-    assert vanishes_at_fractions(once_round(eleven) - twelve + rest)
+    assert shared.vanishes_at_fractions(once_round(eleven) - twelve + rest)
 
 
 def test_theorem_a_prime_order_five_is_a_square():
@@ -51,7 +37,7 @@ def test_theorem_a_prime_order_five_is_a_square():
     # conic's circle. By (I) the gap's fifth coefficient follows, -4.8 rho^5 ... f_ew^2/q_aa.
     twice = once_round(once_round(q))
     parts = rho**2 * D(e, D(e, q)) + 2 * rho * D(e, qa) + qaa + rho * D(w, q)
-    assert vanishes_at_fractions(twice - parts)
+    assert shared.vanishes_at_fractions(twice - parts)
 
 
 @pytest.mark.parametrize(("angle", "start"), [(20, "0.3"), (30, "0.25"), (60, "0.1")])
