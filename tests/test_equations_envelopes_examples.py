@@ -49,6 +49,7 @@ def test_example31_two_generators(judge):
         over.append(np.isclose(np.hypot(*centre), 0.5 / np.tan(ANGLE)))  # through the origin
         radius = np.linalg.norm(points[:, :2] - centre, axis=1)
         over.append(np.allclose(radius, 0.5 / np.tan(ANGLE), rtol=1e-9))
+    judge("cones-fig9", cones.count == 6 and np.sum(exact) == 2)
     judge("cones-ex31", exact.sum() == 2 and len(over) == 4 and all(over))
     # Exactly: these circles solve (11) and (12), and (9) where u^2 + v^2 = cot^2/4.
     for equation in (EQ11, shared.EQ12):

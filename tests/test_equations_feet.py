@@ -102,17 +102,14 @@ def test_eq11_nu4(judge):
         assert bool(abs(float((s**2 * form).subs(shared.EXAMPLE)) / wanted - 1) < 1e-9) is right
 
 
-def test_eq11_nu2_N2(judge):
+def test_eq11_N1_N2_nu2(judge):
     printed = shared.eq11_printed()
     s = m1**2 + m3**2
+    judge("eq11-N1", zero(printed["N1"] - coefficient(1)))
     judge("eq11-N2", zero(printed["N2"] - coefficient(2)))
     judge("eq11-nu2", zero(-2 * m1**2 * s * printed["nu2"] - coefficient(2, 0)))
     short = (r**2 + R**2) * (s - r**2) ** 2 + (2 * r**2 + R**2) * (s + r**2) * m2**2 + r**2 * m2**4
     assert zero(printed["nu2"] - short)
-
-
-def test_eq11_N1(judge):
-    judge("eq11-N1", zero(shared.eq11_printed()["N1"] - coefficient(1)))
 
 
 def test_eq11_nu0(judge):

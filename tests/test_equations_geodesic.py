@@ -20,6 +20,11 @@ def pairs(n):
     return np.random.default_rng(33).uniform(LOW, HIGH, (2, n, 2))
 
 
+def pairs_and_corners():
+    corners = np.array([(LOW, HIGH), (LOW, (HIGH[0], LOW[1]))]).swapaxes(0, 1)
+    return np.concatenate([pairs(2000), corners], axis=1)
+
+
 def test_several_geodesics(judge):
     # On the machine's torus three that differ: the short way, and both ways round the axis.
     torus = MACHINE.torus
@@ -61,6 +66,8 @@ def test_geodesic_is_one_root(judge):
     judge("geodesic-odes",
           cases={"as the equations stand": simultaneous(rates),
                  "with Clairaut's constant": simultaneous(by_clairaut)})  # fmt: skip
+    # Ours: the way back from its own azimuth and length ends where it should.
+    judge("geodesic-precision", missing="the commercial codes")
     p, q = pairs(2000)
     found = paths.geodesic_inverse(MACHINE.torus, p, q)
     end = paths.geodesic_direct(MACHINE.torus, p, found.azimuth1, found.length).point[:, -1]
@@ -163,9 +170,7 @@ def test_geodesic_in_real_time(judge, monkeypatch):
 
 
 def test_geodesic_is_approximated(judge):
-    p, q = pairs(2000)
-    corners = np.array([(LOW, HIGH), (LOW, (HIGH[0], LOW[1]))]).swapaxes(0, 1)
-    p, q = np.concatenate([p, corners[0]]), np.concatenate([q, corners[1]])
+    p, q = pairs_and_corners()
     torus = MACHINE.torus
     geodesic = paths.geodesic_inverse(torus, p, q)
     excess = (
@@ -206,21 +211,8 @@ def test_diminishing_distances_matter(judge):
         left = bend.subs(rho(phi), R).doit().subs(straight).doit()
         assert sp.simplify(left) == 0
     # As it is, that line is longer by more than a hundredth at worst.
-    p, q = pairs(2000)
-    corners = np.array([(LOW, HIGH), (LOW, (HIGH[0], LOW[1]))]).swapaxes(0, 1)
-    p, q = np.concatenate([p, corners[0]]), np.concatenate([q, corners[1]])
+    p, q = pairs_and_corners()
     shortest = paths.geodesic_inverse(MACHINE.torus, p, q).length
     longer = paths.path_length(MACHINE.torus, paths.CHORD_PATHS["joint space"], p, q) / shortest - 1
     judge("fig2-planning", np.max(longer) > 0.01)
     assert 0.055 < np.max(longer) < 0.065
-
-
-def test_geodesic_with_great_precision(judge):
-    judge("geodesic-precision", missing="the commercial codes")
-    # Ours: the way back from its own azimuth and length ends where it should.
-    torus = MACHINE.torus
-    p, q = pairs(200)
-    found = paths.geodesic_inverse(torus, p, q)
-    for start, end, azimuth, length in zip(p, q, found.azimuth1, found.length, strict=True):
-        there = paths.geodesic_direct(torus, start, azimuth, length).position[-1]
-        assert np.linalg.norm(torus.point(*there) - torus.point(*end)) < 1e-12

@@ -26,15 +26,9 @@ from tests.counted import Counted
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
 from tunneller_lib import motion
+from tunneller_lib.motion import tasks
 from tunneller_lib.motion.export import line_text
 from tunneller_lib.motion.stability import ripple
-from tunneller_lib.motion.tasks import (
-    Task,
-    background_response,
-    hand_over,
-    response_times,
-    schedule,
-)
 from tunneller_lib.paths import project_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -44,7 +38,7 @@ CYCLES = Path(__file__).parent / "references" / "controller_cycles.csv"
 
 HALF = Fraction(1, 2)
 PLOT = [5, 7, 10, 12, 15, 17, 20, 22, 25, 27, 30]
-FAST = [Task("interpolation", 5000, 400), Task("servo", 5000, 600)]
+FAST = [tasks.Task("interpolation", 5000, 400), tasks.Task("servo", 5000, 600)]
 
 
 def listed(start, stop, ticks=10, T=1, *, number=Fraction, division=floor, repaired=()):
@@ -631,13 +625,13 @@ def test_numerically_efficient(judge):
 
 
 def test_two_tasks(judge):
-    tasks = [*FAST, Task("segments", 100_000, 30_000)]
-    _, releases = schedule(tasks, 400_000)
-    longest = [max(r.done - r.released for r in releases if r.name == t.name) for t in tasks]
-    assert longest == response_times(tasks)
+    three = [*FAST, tasks.Task("segments", 100_000, 30_000)]
+    _, releases = tasks.schedule(three, 400_000)
+    longest = [max(r.done - r.released for r in releases if r.name == t.name) for t in three]
+    assert longest == tasks.response_times(three)
     # The slow task disturbs neither of the fast ones, and comes to its end itself.
-    undisturbed = longest[:2] == response_times(FAST)
-    in_time = all(time <= task.period for time, task in zip(longest, tasks, strict=True))
+    undisturbed = longest[:2] == tasks.response_times(FAST)
+    in_time = all(time <= task.period for time, task in zip(longest, three, strict=True))
     judge("two-tasks", undisturbed and in_time)
 
 
@@ -646,7 +640,7 @@ def test_figure_seven(judge):
     # What the substitute draws, row by row, is what the text says of the lost drawing.
     cost, ticks = 30_000, [20, 22, 18, 20]
     _, ax = figure(height=5)
-    draw_hand_over(ax, FAST, hand_over(FAST, [cost] * 4, ticks), ticks)
+    draw_hand_over(ax, FAST, tasks.hand_over(FAST, [cost] * 4, ticks), ticks)
     named = [label.get_text() for label in ax.get_yticklabels()]
     drawn = [[path.get_extents().intervalx for path in bars.get_paths()] for bars in ax.collections]
     spans = dict(zip(named, map(np.array, drawn), strict=True))
@@ -665,12 +659,12 @@ def test_figure_seven(judge):
 
 def test_preparation_time(judge):
     cost = 30_000
-    response = background_response(FAST, cost)
+    response = tasks.background_response(FAST, cost)
     enough = math.ceil(response / FAST[0].period)
 
     def waited_for(ticks):
         """Return of which segments but the first the preparation is too late."""
-        return np.flatnonzero(hand_over(FAST, [cost] * 6, ticks).starved[1:]).tolist()
+        return np.flatnonzero(tasks.hand_over(FAST, [cost] * 6, ticks).starved[1:]).tolist()
 
     judge("preparation-time", cases={
         "segments as long as the preparation": waited_for([enough] * 6) == [],
