@@ -78,9 +78,7 @@ def test_eq16_m1_zero(judge):
 
     def serves(*middle):
         """Tell whether Eq. 16 and what follows it lead to both feet of M; k = 1."""
-        quadratic = sp.Poly(
-            shared.EQ16.subs({k: 1, m1: middle[0], m2: middle[1], m3: middle[2]}), n1
-        )
+        quadratic = sp.Poly(shared.EQ16.subs({k: 1, **dict(zip(m, middle, strict=True))}), n1)
         first = np.roots(np.array(quadratic.all_coeffs(), float))
         with np.errstate(invalid="ignore"):
             found = [first, *(at(form, (k, *m, n1), (1, *middle, first)) for form in back)]

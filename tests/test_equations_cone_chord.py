@@ -88,15 +88,14 @@ def test_eq18_theta(judge):
 def test_eq18_chain(judge):
     # "theta = (Theta_f/Phi_f) phi = 2 pi/(2 pi R/S) = S/R": the last two lack phi.
     S, _, Phi_f, _ = shared.development()
-    first = 2 * sp.pi * f / Phi_f * shared.phi
+    phi = shared.phi
+    first = 2 * sp.pi * f / Phi_f * phi
     ratio = 2 * sp.pi / (2 * sp.pi * R / S)
 
     def all_one(*members):
         return zero([first - member for member in members])
 
-    judge(
-        "eq18-chain", all_one(ratio, S / R), right=all_one(ratio * shared.phi, S / R * shared.phi)
-    )
+    judge("eq18-chain", all_one(ratio, S / R), right=all_one(ratio * phi, S / R * phi))
     # A second way, without the development: a tape laid about the cone along the circle of its
     # rim, from one azimuth to another, is S phi long by the definition of phi.
     shares = np.linspace(0, 1, 200_001)

@@ -21,15 +21,16 @@ from tunneller_lib.envelopes.jet import jet_variables
 READS = ["report/ledger/*"]
 
 
-def on_circle(expression, order):
-    """Return the derivative at t = 0 along the circle (8), of an expression in x and y."""
+def on_circle(order):
+    """Return the derivative of f at t = 0 along the circle (8)."""
     X = x + v * sp.sin(t) + u * (1 - sp.cos(t))
     Y = y - u * sp.sin(t) + v * (1 - sp.cos(t))
     # Derivatives by the chain rule: d/dt along a motion with x' = v cos + u sin, y' = ...
     xs, ys = X.diff(t), Y.diff(t)
+    expression = shared.f
     for _ in range(order):
         expression = expression.diff(x) * xs + expression.diff(y) * ys + expression.diff(t)
-    return sp.expand(expression.subs(t, 0))
+    return shared.plain(expression.subs(t, 0))
 
 
 def test_eq08_eq09_prop9_special_conics(judge):
@@ -48,9 +49,8 @@ def test_eq08_eq09_prop9_special_conics(judge):
     points = shared.cone_points(vertex, axis, ANGLE)
     U, V = shared.circle_centre(points) - points[0, :2]
     slope = np.linalg.solve(points[1:3, :2] - points[0, :2], points[1:3, 2] - points[0, 2])
-    found = isotropic.conic(
-        points[0], (U, V), slope @ [V, -U], slope @ [U, V], np.linspace(0, 6, 25)
-    )
+    turns = np.linspace(0, 6, 25)
+    found = isotropic.conic(points[0], (U, V), slope @ [V, -U], slope @ [U, V], turns)
     n, h = isotropic.point_to_plane(found)
     of_the_cone = np.allclose(n @ vertex, -h, atol=1e-9) and np.allclose(n @ axis, np.sin(ANGLE))
     judge("cones-eq08", of_the_cone and len(of_this_angle) == 27 and all(of_this_angle))
@@ -86,35 +86,27 @@ def test_example10_conics_in_a_graph(judge):
 
 def test_eq10_second_order(judge):
     a, b = shared.EQ10
-    judge(
-        "cones-eq10",
-        zero(shared.plain(on_circle(shared.f, 1)) - a)
-        and zero(shared.plain(on_circle(shared.f, 2)) - b),
-    )
+    judge("cones-eq10", zero(on_circle(1) - a) and zero(on_circle(2) - b))
 
 
 def test_eq11_third_order(judge):
     # z'''(0) = -a = -f'; the sum f''' + f' must vanish.
-    judge(
-        "cones-eq11",
-        zero(shared.plain(on_circle(shared.f, 3)) + shared.plain(on_circle(shared.f, 1)) - EQ11),
-    )
+    judge("cones-eq11", zero(on_circle(3) + on_circle(1) - EQ11))
 
 
 def test_eq12_fourth_order(judge):
     # z''''(0) = -b = -f'', so that the sum f'''' + f'' must vanish.
     printed = (F("xxxx") * v**4 - 4 * F("xxx") * v**3 * u + 6 * F("xxy") * v**2 * u**2
                - 4 * F("xyy") * v * u**3 + F("yyy") * u**4 + shared.LOWER)  # fmt: skip
-    left = shared.plain(on_circle(shared.f, 4)) + shared.plain(on_circle(shared.f, 2))
+    left = on_circle(4) + on_circle(2)
     judge("cones-eq12", zero(left - printed), right=zero(left - shared.EQ12))
     # A second way, fractions: the series of conic less graph has -(11)/6 for t^3 and -(12)/24
     # for t^4.
     sine, rise = t - t**3 / 6, t**2 / 2 - t**4 / 24
     for U, V, *numbers in np.random.default_rng(12).integers(-9, 10, (10, 17)).tolist():
         jet = dict(zip(shared.NAMES.values(), numbers, strict=True)) | {u: U, v: V}
-        a, b, eleven, twelve, wrong = (
-            e.subs(jet) for e in (*shared.EQ10, EQ11, shared.EQ12, printed)
-        )
+        a, b = (e.subs(jet) for e in shared.EQ10)
+        eleven, twelve, wrong = (e.subs(jet) for e in (EQ11, shared.EQ12, printed))
         across, up = V * sine + U * rise, V * rise - U * sine
         height = sum(jet[s] * across**i * up**j / factorial(i) / factorial(j)
                      for (i, j), s in shared.NAMES.items() if i + j)  # fmt: skip
@@ -146,12 +138,8 @@ def test_prop11_contact_orders(judge):
             as_said.append(14 < gaps[1] / gaps[0] < 18)
     assert sorted(orders) == [3, 3, 3, 3, 4, 4]
     _, a, b = isotropic.osculating_conic((0.4, 0.1), jet)
-    gaps = [
-        abs(c[2] - shared.example(c[0], c[1]))
-        for c in (
-            isotropic.conic((0.5, 0.3, float(jet.value)), (0.4, 0.1), a, b, h) for h in (1e-2, 2e-2)
-        )
-    ]
+    points = isotropic.conic((0.5, 0.3, float(jet.value)), (0.4, 0.1), a, b, [1e-2, 2e-2])
+    gaps = np.abs(points[:, 2] - shared.example(*points[:, :2].T))
     assert abs(at(EQ11, jet, u=0.4, v=0.1)) > 1e-3
     judge("cones-prop11", all(as_said) and 7 < gaps[1] / gaps[0] < 9)
 
@@ -161,19 +149,16 @@ def test_corollary12_common_solution(judge):
     for name in ("screw", "cubic"):
         surface = moving_cone(MOTIONS[name], ANGLE)
         px, py, jet = shared.general_jet(surface, 0.4, 0.3)
-        vertex, _, axes, _ = MOTIONS[name](0.3)
+        vertex, _, axes, _ = (np.array(part, float) for part in MOTIONS[name](0.3))
         found = adapted_frames(surface, np.array([0.4]), np.array([0.3]), "space")
         n = found.axes[0, 2]
-        sign = np.sign(n @ np.array(axes[0], dtype=float))
-        points = shared.cone_points(
-            np.array(vertex, dtype=float), sign * np.array(axes[0], float), ANGLE
-        )
+        sign = np.sign(n @ axes[0])
+        points = shared.cone_points(vertex, sign * axes[0], ANGLE)
         centre = shared.circle_centre(points) - (px, py)
         for equation in (EQ9, EQ11, shared.EQ12):
             here = {"x": px, "y": py, "tan": np.tan(ANGLE), "u": centre[0], "v": centre[1]}
-            left, aside = (
-                at(equation, jet, **here | {"u": u0}) for u0 in (centre[0], 1.1 * centre[0])
-            )
+            left = at(equation, jet, **here)
+            aside = at(equation, jet, **here | {"u": 1.1 * centre[0]})
             size = np.max(np.abs(list(shared.values(jet).values()))) * (1 + np.hypot(*centre)) ** 4
             solved.append(abs(left) < 1e-9 * size)
             assert abs(aside) > 1e-3  # a centre a tenth beside solves none
@@ -323,9 +308,7 @@ def test_vanishing_resultant_without_a_real_solution(judge):
     # At x = y = 0, with tan = 1/2, Eq. 9 is u^2 + v^2 = 1. With these derivatives, others 0, a pair
     # of solutions is complex and none is real.
     jet = {F("xyy"): 1, F("xx"): -2, F("yyyy"): 1, F("xxyy"): sp.Rational(47, 36)}
-    rest = [
-        s for s in EQ11.free_symbols | shared.EQ12.free_symbols if s not in jet and s not in (u, v)
-    ]
+    rest = (EQ11.free_symbols | shared.EQ12.free_symbols) - {*jet, u, v}
     three = [e.subs(jet).subs(dict.fromkeys(rest, 0)) for e in (EQ11, shared.EQ12)]
     three.append(EQ9.subs({x: 0, y: 0, tan: sp.Rational(1, 2)}))
     U, V = sp.symbols("U V")

@@ -64,9 +64,8 @@ def test_remark23_outward_normals(judge):
 
 
 def _eq24(radius):
-    return 2 * (u**2 + v**2) * (F("") - x * F("x") - y * F("y") - radius) + p * (
-        F("xx") * v**2 - 2 * F("xy") * u * v + F("yy") * u**2
-    )
+    height = F("") - x * F("x") - y * F("y") - radius
+    return 2 * (u**2 + v**2) * height + p * (shared.EQ10[1] - F("x") * u - F("y") * v)
 
 
 def test_eq23_eq24_prop24_cylinder_conditions(judge):
@@ -75,8 +74,7 @@ def test_eq23_eq24_prop24_cylinder_conditions(judge):
     both = abs(at(W, jet, **here)) < 1e-10 and abs(at(_eq24(radius), jet, **here)) < 1e-10
     assert abs(at(_eq24(-radius), jet, **here)) > 1e-3
     # The determinant of the proof, with (10) and (23) put in.
-    a = F("x") * v - F("y") * u
-    b = F("x") * u + F("y") * v + F("xx") * v**2 - 2 * F("xy") * u * v + F("yy") * u**2
+    a, b = shared.EQ10
     R = sp.Symbol("R")
     determinant = sp.Matrix([[x, y, F("") - R], [v, -u, a], [u, v, b]]).det()
     on = {u: (-p / 2 - y * v) / x}  # Eq. 23 solved for u
@@ -231,7 +229,5 @@ def test_limits_of_congruent_cones(judge):
     # Two congruent cones, of one angle, near cylinders of radii 1 and 2.
     small = {theta: sp.Rational(1, 10**6), along: 3}
     sizes = [sp.N((inside.subs(far, 0)).subs(small).subs(rho, size)) for size in (1, 2)]
-    judge(
-        "cones-not-congruent",
-        cylinder and all(abs(s - n) < 1e-5 for s, n in zip(sizes, (1, 2), strict=True)),
-    )
+    congruent = all(abs(s - n) < 1e-5 for s, n in zip(sizes, (1, 2), strict=True))
+    judge("cones-not-congruent", cylinder and congruent)

@@ -65,12 +65,11 @@ def test_example31_six_positions(judge):
     """Six inside the circle |(x, y)| < cot(theta), four outside, of which four gouge."""
     rng = np.random.default_rng(9)
     turn = rng.uniform(0.1, 1.4, 400)
+    ways = np.array([np.cos(turn), np.sin(turn)])
     counts = {}
     for where, low, high in (("inside", 0.2, 0.999), ("outside", 1.001, 3)):
         r = rng.uniform(low, high, 400) / np.tan(ANGLE)
-        cones = hyperosculating_cones(
-            shared.example, r * np.cos(turn), r * np.sin(turn), half_angle=ANGLE
-        )
+        cones = hyperosculating_cones(shared.example, *(r * ways), half_angle=ANGLE)
         counts[where] = cones.count
         assert np.all(np.bincount(cones.index[cones.gouges], minlength=400) == 4)
     assert np.all(counts["outside"] == 4)
@@ -79,9 +78,7 @@ def test_example31_six_positions(judge):
         "outside": np.any(counts["outside"] == 6),
     })  # fmt: skip
     on = 1 / np.tan(ANGLE)
-    cones = hyperosculating_cones(
-        shared.example, on * np.cos(turn), on * np.sin(turn), half_angle=ANGLE
-    )
+    cones = hyperosculating_cones(shared.example, *(on * ways), half_angle=ANGLE)
     assert np.all(cones.count == 5)
     assert np.all(np.bincount(cones.index, cones.multiplicity, minlength=400) == 6)
 
@@ -265,10 +262,8 @@ def test_example32_noise(judge):
     few = np.array([_generators_from_noise(0.1, seed, 1400, 6, 0.35) for seed in range(8)])
     assert np.median(few.min(axis=1)) < 2 and np.sum(few.max(axis=1) > 30) >= 3
     # Planes turned about exact contact points leave the graph by the square of the turn.
-    r, n = (
-        isotropic.surface_points(shared.example, *GRID),
-        np.stack(isotropic.normal(*GRID), axis=-1),
-    )
+    r = isotropic.surface_points(shared.example, *GRID)
+    n = np.stack(isotropic.normal(*GRID), axis=-1)
     errors = []
     for turn in (1e-3, 1e-2):
         noisy = tilted(n, turn, np.random.default_rng(10))

@@ -87,10 +87,8 @@ def test_prop6_cones_to_special_conics(judge):
 def test_prop7_tangent_cones_are_conics_in_the_surface(judge):
     surface = moving_cone(MOTIONS["screw"], ANGLE)
     flat, special = {}, {}
-    along, across = (
-        (np.linspace(0.2, 0.7, 9), np.full(9, 0.3)),
-        (np.full(9, 0.3), np.linspace(0, 1, 9)),
-    )
+    moves, stays = np.linspace(0.2, 0.7, 9), np.full(9, 0.3)
+    along, across = (moves, stays), (stays, np.linspace(0, 1, 9))
     for name, line in (("along", along), ("across", across)):
         found = adapted_frames(surface, *line, "space")
         n = found.axes[:, 2]
@@ -121,10 +119,8 @@ def test_osculating_circles_between_vertices(judge):
     between_two, across_one = [], []
     for a, b, c, e in rng.uniform(-0.04, 0.04, (4, 4)):
         waves = a * sp.cos(2 * t) + b * sp.sin(2 * t) + c * sp.cos(3 * t) + e * sp.sin(3 * t)
-        size, rate, centre = (
-            sp.lambdify(t, thing.subs(support, 1 + waves).doit())
-            for thing in (radius, radius.diff(t), middle)
-        )
+        forms = [form.subs(support, 1 + waves).doit() for form in (radius, radius.diff(t), middle)]
+        size, rate, centre = (sp.lambdify(t, form) for form in forms)
         turns = np.linspace(0, 2 * np.pi, 721)
         signs = np.sign(rate(turns))
         changes = np.flatnonzero(signs[1:] != signs[:-1])

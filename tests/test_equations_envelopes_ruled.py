@@ -98,10 +98,8 @@ def test_four_solutions_on_the_circle(judge):
     circle = u**2 + v**2
     determinant = sp.expand(QUADRATIC.diff(u) * v - QUADRATIC.diff(v) * u)
     saddle = sp.expand(_a * _c - _b**2)
-    trace = _a + _c
-    identity = (
-        determinant**2 + 4 * saddle * circle**2 - 4 * QUADRATIC * (trace * circle - QUADRATIC)
-    )
+    rest = QUADRATIC * ((_a + _c) * circle - QUADRATIC)
+    identity = determinant**2 + 4 * saddle * circle**2 - 4 * rest
     simple = sp.expand(identity) == 0
     four = []
     for numbers in ((1, 0, -1), (0, 1, 0), (2, 3, 1), (-1, 2, 5)):

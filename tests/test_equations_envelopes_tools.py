@@ -119,10 +119,8 @@ def test_cylinders_mill_what_has_a_ruled_offset(judge):
         return np.sqrt(best.fun)
 
     places = [(a, b) for a in np.linspace(-0.5, 0.5, 5) for b in np.linspace(-0.5, 0.5, 5)]
-    axes, milled = (
-        np.array([np.stack(ruled("saddle", radius)(*place)) for place in places])
-        for radius in (0.0, 0.1)
-    )
+    axes, milled = (np.array([np.stack(ruled("saddle", radius)(*place)) for place in places])
+                    for radius in (0.0, 0.1))  # fmt: skip
     starts = [axis[:2] for axis in axes]
     erring = np.array([away(*both) for both in zip(axes, starts, strict=True)])
     errors = np.array([abs(away(*both) - 0.1) for both in zip(milled, starts, strict=True)])
@@ -181,9 +179,8 @@ def test_ruled_strips_approximate(judge):
     well = []
     for form in (x**2 + y**2, x**2 - y**2, sp.sin(3 * x) * sp.cos(2 * y) + x * y**2):
         height = sp.lambdify((x, y), form, "numpy")
-        bound = np.max(
-            np.abs(sp.lambdify((x, y), form.diff(x, 2) + 0 * x, "numpy")(*np.meshgrid(grid, grid)))
-        )
+        curvature = sp.lambdify((x, y), form.diff(x, 2) + 0 * x, "numpy")
+        bound = np.max(np.abs(curvature(*np.meshgrid(grid, grid))))
         errors = []
         for n in (8, 16, 32):
             low = np.arange(n)[:, None, None] / n

@@ -138,10 +138,8 @@ def test_eq11_quartic(judge):
     judge("eq11", has_feet(printed), right=has_feet(corrected))
     # A second way, in numbers: the library's feet, by no polynomial.
     foot = Torus(1, 4).feet((2, 1, 3))[:, 0]
-    wrong, right = (
-        sp.lambdify(n1, e.subs(shared.EXAMPLE) / abs(e.subs(shared.EXAMPLE).subs(n1, 0)))
-        for e in (printed, corrected)
-    )
+    example = [form.subs(shared.EXAMPLE) for form in (printed, corrected)]
+    wrong, right = (sp.lambdify(n1, form / abs(form.subs(n1, 0))) for form in example)
     assert np.min(np.abs(wrong(foot))) > 0.1 and close(right(foot), 0, 100)
     for torus in TORI:
         points = shared.draw(12, 3, 40)

@@ -173,10 +173,9 @@ def test_geodesic_is_approximated(judge):
     p, q = pairs_and_corners()
     torus = MACHINE.torus
     geodesic = paths.geodesic_inverse(torus, p, q)
-    excess = (
-        paths.path_length(torus, paths.CHORD_PATHS["projected chord"], p, q) / geodesic.length - 1
-    )
-    path = paths.CHORD_PATHS["projected chord"](torus, p, q, np.linspace(0, 1, 17))
+    chord = paths.CHORD_PATHS["projected chord"]
+    excess = paths.path_length(torus, chord, p, q) / geodesic.length - 1
+    path = chord(torus, p, q, np.linspace(0, 1, 17))
     aside = np.max(np.abs(geodesic.points(65).deviation(path)), axis=-1)
     nearly_as_short = np.max(excess) < 5e-4 and np.median(excess) < 1e-6
     close_by = np.max(aside) < 0.0125 and np.median(aside) < 2e-4
@@ -192,7 +191,7 @@ def test_geodesic_is_approximated(judge):
     worst = []
     for part in (1 / 8, 1 / 16):
         ends = middle - part * half, middle + part * half
-        track = paths.CHORD_PATHS["projected chord"](torus, *ends, np.linspace(0, 1, 17))
+        track = chord(torus, *ends, np.linspace(0, 1, 17))
         short = paths.geodesic_inverse(torus, *ends).points(65).deviation(track)
         worst.append(np.max(np.abs(short), axis=-1))
     assert abs(np.median(np.log2(worst[0] / worst[1])) - 3) < 0.1

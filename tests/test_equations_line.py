@@ -192,7 +192,6 @@ def test_destination_on_a_ruling(judge):
         wall = centre + side * radius
         for height, beyond in ((wall, B), (wall - side * (B - g), g)):
             x2 = (ring + tube) ** 2 - (height - z_c) ** 2
-            assert x2 > 0 and zero(
-                TORUS.subs({r: ring, R: tube, x: sp.sqrt(x2), y: 0, z: height - z_c})
-            )
+            place = {x: sp.sqrt(x2), y: 0, z: height - z_c}
+            assert x2 > 0 and zero(TORUS.subs({r: ring, R: tube, **place}))
             assert side * (height + side * B - wall) == beyond

@@ -26,7 +26,7 @@ from tests.counted import Counted
 from tests.structured_text import FunctionBlock
 from tests.test_export import line
 from tunneller_lib import motion
-from tunneller_lib.motion import tasks
+from tunneller_lib.motion import Integrator, Loop, follow, tasks, time_bresenham
 from tunneller_lib.motion.export import line_text
 from tunneller_lib.motion.stability import ripple
 from tunneller_lib.paths import project_chord
@@ -53,7 +53,7 @@ def listed(start, stop, ticks=10, T=1, *, number=Fraction, division=floor, repai
 def there(count):
     """Return set-values, in rad, of a move of both joints in 3 s, held for 3 s at its end."""
     start, stop = (np.rint(np.radians(pose) / count).astype(int) for pose in ((-20, -15), (15, 20)))
-    move = motion.time_bresenham(start, stop, 600).T
+    move = time_bresenham(start, stop, 600).T
     return count * np.vstack([move, np.repeat(move[-1:], 600, axis=0)])
 
 
@@ -67,13 +67,11 @@ def exact(start, stop, ticks):
 def test_position_control(judge):
     # A controller that is only fed the set-values lags a ramp by v / Kv, whatever the plant.
     ramp = 0.1 * 0.005 * np.arange(2001)
-    for plant in (motion.Integrator(0.5), motion.Lag(0.5, 0.02)):
-        alone = motion.follow(plant, motion.Loop(10.0, 0.005), ramp)
+    for plant in (Integrator(0.5), motion.Lag(0.5, 0.02)):
+        alone = follow(plant, Loop(10.0, 0.005), ramp)
         assert alone.error[-1] == pytest.approx(0.1 / 10.0, rel=1e-9)
-    ahead = motion.follow(
-        plant, motion.Loop(10.0, 0.005, feedforward=1.0), ramp, slopes=np.full(2000, 0.1)
-    )
-    whole = motion.follow(plant, motion.Loop(10.0, 0.005, integral=20.0), ramp)
+    ahead = follow(plant, Loop(10.0, 0.005, feedforward=1.0), ramp, slopes=np.full(2000, 0.1))
+    whole = follow(plant, Loop(10.0, 0.005, integral=20.0), ramp)
     tracks = {"set-values alone": alone, "the slope fed forward": ahead, "an integral part": whole}
     left = {kind: abs(track.error[-1]) < 1e-9 for kind, track in tracks.items()}
     judge("position-control", cases=left)
@@ -85,9 +83,7 @@ def test_encoders_and_valves(judge):
     # oil behind them, both joints come to rest within half a count of their set-values.
     count = 2 * np.pi / 2**16
     plants = [motion.Compressible(axis) for axis in motion.reference_axes(REFERENCE_MACHINE)]
-    track = motion.follow(
-        plants, [motion.Loop(10.0, 0.005, count=count, delay=1)] * 2, there(count)
-    )
+    track = follow(plants, [Loop(10.0, 0.005, count=count, delay=1)] * 2, there(count))
     assert np.max(np.abs(track.error[-100:])) < count / 2
 
 
@@ -95,9 +91,7 @@ def test_direct_kinematics(judge):
     # Loops that know no more than angles and encoders bring both joints to where they should be.
     count = 2 * np.pi / 2**16
     wanted = there(count)
-    track = motion.follow(
-        motion.Integrator(0.5), [motion.Loop(10.0, 0.005, count=count)] * 2, wanted
-    )
+    track = follow(Integrator(0.5), [Loop(10.0, 0.005, count=count)] * 2, wanted)
     arrives = np.max(np.abs(track.error[-100:])) < count / 2
     # Where a path starts the angles alone don't say: it depends on the radii, as Eq. 1 has them.
     starts = [Torus(*radii).point(*wanted[0]) for radii in ((0.08, 0.8), (0.2, 1.5))]
@@ -119,9 +113,7 @@ def away_from_line(gains, tick=0.001):
     """Return the steady distance, in rad, from a line at 40 degrees run at 0.1 rad/s."""
     way = np.array([np.cos(np.radians(40)), np.sin(np.radians(40))])
     wanted = 0.1 * tick * np.arange(10_001)[:, None] * way
-    track = motion.follow(
-        motion.Integrator(0.5), [motion.Loop(gain, tick) for gain in gains], wanted
-    )
+    track = follow(Integrator(0.5), [Loop(gain, tick) for gain in gains], wanted)
     return abs(np.cross([*way, 0], [*track.error[-1], 0])[2])
 
 
@@ -129,9 +121,7 @@ def away_from_circle(gains, radius=0.3, tick=0.001):
     """Return by how much, in rad, positions leave a circle run at 0.1 rad/s."""
     turn = 0.1 / radius * tick * np.arange(20_001)
     wanted = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    track = motion.follow(
-        motion.Integrator(0.5), [motion.Loop(gain, tick) for gain in gains], wanted
-    )
+    track = follow(Integrator(0.5), [Loop(gain, tick) for gain in gains], wanted)
     return np.max(np.abs(np.hypot(*track.position[1000:].T) - radius))
 
 
@@ -170,7 +160,7 @@ def test_resonance_intervals(judge):
     # And equal: where segments of 6.5 ticks get 6 or 7, ticks as short as that shake it, too.
     shaken = []
     for whole in (None, 6):
-        track = motion.follow(plant, motion.Loop(8.0, 0.005), moved_in_segments(whole))
+        track = follow(plant, Loop(8.0, 0.005), moved_in_segments(whole))
         shaken.append(np.ptp(np.diff(track.position[1000:])) / 0.005 / 0.1)
     assert 0.005 < period / 10 and shaken[0] > 0.08 and shaken[1] < 1e-9
     judge("resonance-intervals", cases={
@@ -207,15 +197,13 @@ def test_equal_increments(judge):
     equal = {True: [], False: []}
     for difference in range(-60, 61):
         for ticks in range(1, 30):
-            steps = {*np.diff(motion.time_bresenham(0, difference, ticks)).tolist()}
+            steps = {*np.diff(time_bresenham(0, difference, ticks)).tolist()}
             assert steps <= {difference // ticks, difference // ticks + 1}
             divides = difference % ticks == 0
             assert (len(steps) == 1) == divides
             equal[divides].append(len(steps) == 1)
-            off = (
-                ticks * motion.time_bresenham(0, difference, ticks)
-                - np.arange(ticks + 1) * difference
-            )
+            ideal = np.arange(ticks + 1) * difference
+            off = ticks * time_bresenham(0, difference, ticks) - ideal
             assert np.max(np.abs(off)) <= ticks / 2  # half a count
     # From segment to segment: equal moves of 6.5 ticks get 6 or 7, and increments differ by 1/6.
     rounded, whole = (np.diff(moved_in_segments(ticks)) for ticks in (None, 6))
@@ -279,7 +267,7 @@ def test_dda_without_a_product(judge):
 def test_scaled_fraction(judge):
     rounded = []
     for start, stop, ticks in [(5, 30, 10), (-7, 1000, 37), (0, 1, 999), (3, -400, 64)]:
-        setvalues = motion.time_bresenham(start, stop, ticks)
+        setvalues = time_bresenham(start, stop, ticks)
         assert setvalues.dtype.kind == "i" and setvalues[-1] == stop
         rounded.append(setvalues.tolist() == [floor(y + HALF) for y in exact(start, stop, ticks)])
     judge("scaled-fraction", len(rounded) == 4 and all(rounded))
@@ -311,7 +299,7 @@ def test_major_axis(judge):
     for dx, dy in [(10, 3), (4, 9), (-7, 5), (6, -6)]:
         major = max(abs(dx), abs(dy))
         for kind, ticks in (("counted", major), ("fewer", major - 1)):
-            steps = np.diff(motion.time_bresenham([0, 0], [dx, dy], ticks))
+            steps = np.diff(time_bresenham([0, 0], [dx, dy], ticks))
             longest[kind].append(np.max(np.abs(steps)))
     judge("major-axis", len(longest["counted"]) == 4 and max(longest["counted"]) <= 1)
 
@@ -324,7 +312,7 @@ def test_display_interpolation(judge):
     for _ in range(50):
         start, stop = rng.integers(-1000, 1000, (2, 6))
         ticks = int(max(1, np.max(np.abs(stop - start)[:2])))  # the longer axis on the screen
-        found = motion.time_bresenham(start, stop, ticks).tolist()
+        found = time_bresenham(start, stop, ticks).tolist()
         for axis, first, last in zip(found, start.tolist(), stop.tolist(), strict=True):
             assert axis == [floor(y + HALF) for y in exact(first, last, ticks)]
 
@@ -390,7 +378,7 @@ def test_listing_floats(judge):
         return listed(0, k, ticks, number=number) == in_whole_numbers(ticks, k)
 
     def in_whole_numbers(ticks, k):
-        return motion.time_bresenham(0, k, ticks, tie="down").tolist()
+        return time_bresenham(0, k, ticks, tie="down").tolist()
 
     judge("line-float", cases={
         "0 to 25 in ten steps": as_in_whole_numbers(10, 25, float),
@@ -408,7 +396,7 @@ def test_listing_slope(judge):
     # A second way: the text itself, mended, is the integer line.
     for T, end in ends.items():
         assert listed(5, 30, T=Fraction(T))[-1] == end
-        in_whole_numbers = motion.time_bresenham(5, 30, round(10 / T), tie="down").tolist()
+        in_whole_numbers = time_bresenham(5, 30, round(10 / T), tie="down").tolist()
         assert listed(5, 30, T=Fraction(T), repaired=["slope"]) == in_whole_numbers
 
 
@@ -424,7 +412,7 @@ def test_listing_division(judge):
     assert listing(0, 10, 30, 5, 1, division="truncate")[1][-1] == 10
     # Two statements make the truncated quotient and remainder floored ones.
     block = FunctionBlock(line_text(parts=1))
-    assert line(block, 30, 5, 10) == motion.time_bresenham(30, 5, 10).tolist()
+    assert line(block, 30, 5, 10) == time_bresenham(30, 5, 10).tolist()
 
 
 def test_listing_quadrants(judge):
@@ -432,9 +420,7 @@ def test_listing_quadrants(judge):
     moves = [(start, stop, ticks) for start, stop in quadrants for ticks in (1, 7, 10)]
 
     def works(line_of, tie):
-        return all(
-            line_of(*move) == motion.time_bresenham(*move, tie=tie).tolist() for move in moves
-        )
+        return all(line_of(*move) == time_bresenham(*move, tie=tie).tolist() for move in moves)
 
     # The ifs of the exported text: with a division that truncates they make it work.
     completed = works(lambda *move: line(FunctionBlock(line_text(parts=1)), *move), "up")
@@ -546,7 +532,7 @@ def test_listing_axes(judge):
 
 def test_line_each_axis(judge):
     start, stop = np.array([5, -3, 0, 100]), np.array([30, 4, 0, -900])
-    together = motion.time_bresenham(start, stop, 17)
+    together = time_bresenham(start, stop, 17)
     alone = [line(FunctionBlock(line_text(parts=1)), int(first), int(last), 17)
              for first, last in zip(start, stop, strict=True)]  # fmt: skip
     judge("line-axis-each", len(alone) == 4 and alone == together.tolist())

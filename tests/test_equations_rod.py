@@ -315,9 +315,8 @@ def test_surplus_is_masked(judge):
 def test_edges_line_up(judge):
     # On a raster of 1 m lines go exactly through both rims, where wall and disc agree.
     def through_rims(xy):
-        t, _ = crossings(
-            *np.array([ROD.a, ROD.b]), 25.0, np.insert(xy, 2, 0, axis=-1), np.array([0.0, 0, 1])
-        )
+        axis = np.array([ROD.a, ROD.b])
+        t, _ = crossings(*axis, 25.0, np.insert(xy, 2, 0, axis=-1), np.array(UP, float))
         gaps = [np.abs(t[i] - t[j]) for i in (0, 1) for j in (2, 3)]
         return np.count_nonzero(np.any(np.array(gaps) < 1e-9, axis=0))
 
@@ -561,9 +560,8 @@ def test_always_reliable(judge):
 
 
 def test_code_of_part_two(judge):
-    judge(
-        "rod-code", missing="the code, which the note doesn't print, and a bound on any code's time"
-    )
+    unknown = "the code, which the note doesn't print, and a bound on any code's time"
+    judge("rod-code", missing=unknown)
 
 
 def test_interval_between_the_planes(judge):

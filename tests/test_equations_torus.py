@@ -149,9 +149,8 @@ def test_eq01_cited_as_eq02(judge):
     judge("eq01-cited", squares_add_up(printed), right=squares_add_up(parametrised()))
     # A second way, in numbers: the sum is that of Eq. 1, while Eq. 2 says 0.
     point = Torus(1, 2).point(0.7, 0.4)
-    assert close(np.sum(point**2), 1 + 4 * np.cos(0.4) + 4) and close(
-        Torus(1, 2).implicit(point), 0
-    )
+    assert close(np.sum(point**2), 1 + 4 * np.cos(0.4) + 4)
+    assert close(Torus(1, 2).implicit(point), 0)
 
 
 def test_eq02_implicit(judge):
@@ -194,9 +193,8 @@ def test_eq03_homogeneous(judge):
     sphere = -(rho**2) * w**2 + x**2 + y**2 + z**2
     powers = [p for p in itertools.product(range(4), repeat=4) if sum(p) == 3]
     coefficients = [sp.Symbol("k_{}{}{}{}".format(*p)) for p in powers]
-    cubic = sum(
-        c * sp.prod(map(sp.Pow, (w, x, y, z), p)) for c, p in zip(coefficients, powers, strict=True)
-    )
+    monomials = [sp.prod(map(sp.Pow, (w, x, y, z), p)) for p in powers]
+    cubic = sum(c * monomial for c, monomial in zip(coefficients, monomials, strict=True))
     printed, corrected = sphere**2 + cubic, sphere**2 + w * cubic
     assert sp.Poly(corrected, w, x, y, z).is_homogeneous
     judge("eq03", cases={"w = 1": zero((printed - corrected).subs(w, 1)),

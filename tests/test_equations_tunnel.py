@@ -28,9 +28,8 @@ def test_fig4_section(judge):
     roof, wall, floor = size, 3 * size, size / 2
     # C1: the centres of two blended arcs lie on one line with their common point.
     offset, drop = sp.symbols("offset drop", positive=True)
-    centres = sp.solve(
-        [offset - (wall - roof), offset**2 + drop**2 - (wall - floor) ** 2], [offset, drop]
-    )
+    drop_from = offset**2 + drop**2 - (wall - floor) ** 2
+    centres = sp.solve([offset - (wall - roof), drop_from], [offset, drop])
     assert centres == [(2 * size, 3 * size / 2)]  # with 5a/2: a triangle 3-4-5
     # The wall's arc goes on in the floor's: their common point lies on both centres' line.
     blend = sp.Matrix([2 * size, 0]) + wall * sp.Matrix([-4, -3]) / 5

@@ -106,9 +106,8 @@ def test_groove_along_a_wall(judge):
         by_strips[wall] = removed_volume(radius, step, g, wall=wall)
 
     def follows(volume):  # from R, c and g alone
-        segment = radius**2 * np.arccos((radius - g) / radius) - (radius - g) * np.sqrt(
-            2 * radius * g - g * g
-        )
+        half_width = np.sqrt(2 * radius * g - g * g)
+        segment = radius**2 * np.arccos((radius - g) / radius) - (radius - g) * half_width
         return abs(volume / (step * segment) - 1) < 1e-3
 
     judge("groove-wall",

@@ -223,9 +223,8 @@ def gap_coefficients(found, tangent):
     """
     w, rho = across(found, tangent)
     u, v = rho * w
-    fx, fy, fxx, fxy, fyy = (
-        found.at(0.0, 0.0, i, j) for i, j in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-    )
+    orders = (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)
+    fx, fy, fxx, fxy, fyy = (found.at(0.0, 0.0, *order) for order in orders)
     a = fx * v - fy * u
     b = fx * u + fy * v + fxx * v * v - 2 * fxy * u * v + fyy * u * u
     reach = 0.05 / max(1.0, abs(rho))
