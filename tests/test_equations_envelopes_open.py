@@ -108,15 +108,21 @@ def test_problem15_multiple_conics(judge):
                 assert 3.99 < power < 4.01
 
 
-def halves_along_the_circle(theta, start):
-    """Return the example's even and odd half along a double conic's circle, as said there."""
-    C = mp.cos(theta)
-    S = mp.sin(theta)
+def bending(theta):
+    """Return the example's derivative of g'/r, up to a factor, as a function of the radius."""
+    C, S = mp.cos(theta), mp.sin(theta)
 
     def bend(k):
         c = (1 - k * k) / (1 + k * k)
         W = mp.sqrt(c * c - S * S)
         return (C * c + W) ** 1.5 * (c + W) ** (-3 / (2 * C)) / k**2
+
+    return bend
+
+
+def halves_along_the_circle(theta, start):
+    """Return the example's even and odd half along a double conic's circle, as said there."""
+    bend = bending(theta)
 
     def graph(k):  # with g and g' zero at the start
         return (

@@ -52,9 +52,6 @@ def test_groove_volume(judge):
 
     judge("groove-volume", is_volume(printed), right=is_volume(c * segment))
     assert zero(printed.subs(g, 2 * R) - 2 * sp.pi * V_L)  # the whole cylinder, 2 pi times
-    times = printed / (c * segment)  # as many times too large, the more the less the depth
-    assert zero(times.subs(g, R) - 2 * sp.pi)
-    assert round(float(times.subs(g, R / 10))) == 48
     # A second way, by quadrature; a third is measured in test_groove_along_a_wall.
     for depth in (sp.Rational(1, 10), sp.Rational(1, 2), sp.Rational(3, 2)):
         area = 2 * mp.quad(lambda v: mp.sqrt(1 - v * v), [1 - float(depth), 1])
