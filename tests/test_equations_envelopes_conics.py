@@ -251,7 +251,7 @@ def test_derivative_of_eq11(judge):
     # A second way, by a polynomial of degree 4: (11) of it, moved along, to first order.
     numbers = np.random.default_rng(16).integers(1, 10, 15).tolist()
     graph = sum(c * x**i * y**j for c, (i, j) in zip(numbers, shared.NAMES, strict=True))
-    jet = {s: graph.diff(*[x] * i, *[y] * j) for (i, j), s in shared.NAMES.items() if i + j}
+    jet = shared.jet_of(graph)
     first_order = _along_a_move(EQ11.subs(jet), du, dv)
     for form, right in ((corrected, True), (printed.subs(fifth, 0), False)):
         assert (sp.expand(first_order - form.subs(jet)) == 0) is right

@@ -319,14 +319,8 @@ def test_choice_that_jumps(judge):
 
 def sextic(place):
     """Return Eq. 13's coefficients for Example 31 at 30 degrees, from the highest down."""
-    here = {x: place[0], y: place[1], tan: 1 / mp.sqrt(3)}
-    jet = {}
-    for (i, j), name in NAMES.items():
-        derivative = sp.diff(EX31, *[x] * i, *[y] * j) if i + j else EX31
-        jet[name] = sp.lambdify((x, y), derivative, "mpmath")(*place)
-    equation = sp.Poly(EQ13, t)
-    numbers = sp.lambdify([*here, *jet], equation.all_coeffs(), "mpmath")
-    return numbers(*here.values(), *jet.values())
+    equation = sp.Poly(EQ13.subs(shared.jet_of(EX31)), t)
+    return sp.lambdify((x, y, tan), equation.all_coeffs(), "mpmath")(*place, 1 / mp.sqrt(3))
 
 
 def test_multiple_roots_are_unstable(judge):

@@ -4,8 +4,6 @@
 it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
 """
 
-from functools import cache
-
 import numpy as np
 import sympy as sp
 
@@ -26,16 +24,12 @@ PRINCIPAL = u * (x**2 - y**2) + 2 * v * x * y, v * (x**2 - y**2) - 2 * u * x * y
 THROUGH = x**2 + y**2 + 2 * x * u + 2 * y * v  # the circle passes through the origin
 
 
-@cache
-def derivatives31():
-    """Return what stands for the derivatives of f in Example 31."""
-    every = {name: EX31.diff(*[x] * i, *[y] * j) for (i, j), name in NAMES.items() if i + j}
-    return every | {F(""): EX31}
+JET31 = shared.jet_of(EX31)
 
 
 def on_example31(expression):
     """Return an expression in f and its derivatives as it is in Example 31."""
-    return expression.subs(derivatives31())
+    return expression.subs(JET31)
 
 
 def test_example31_two_generators(judge):
@@ -163,11 +157,8 @@ def test_numbers_of_cones_by_sturms_rule(judge):
 
 def _exact_eq13(graph, a, b):
     """Return Eq. 13 of a graph at (a, b), for cot(theta) = 2."""
-    here = {s: graph.diff(*[x] * i, *[y] * j).subs({x: a, y: b})
-            for (i, j), s in NAMES.items() if 2 <= i + j <= 3}  # fmt: skip
-    return sp.Poly(
-        shared.EQ13.subs(here).subs({x: a, y: b, tan: sp.Rational(1, 2)}), t
-    ).all_coeffs()
+    equation = shared.EQ13.subs(shared.jet_of(graph))
+    return sp.Poly(equation.subs({x: a, y: b, tan: sp.Rational(1, 2)}), t).all_coeffs()
 
 
 def test_example31_cyclide(judge):

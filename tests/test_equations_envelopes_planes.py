@@ -327,8 +327,7 @@ def _within_the_cone(graph, place, centre, around=None):
     powers t^4; or those next to the place in given directions.
     """
     here = dict(zip((x, y, u, v), (*place, *centre), strict=True)) | {tan: sp.Rational(1, 2)}
-    jet = {s: (graph.diff(*[x] * i, *[y] * j) if i + j else graph).subs(here)
-           for (i, j), s in shared.NAMES.items()}  # fmt: skip
+    jet = {s: sp.sympify(form).subs(here) for s, form in shared.jet_of(graph).items()}
     a, b, nine, eleven, twelve = (q.subs(jet).subs(here) for q in (*EQ10, EQ9, EQ11, shared.EQ12))
     assert nine == eleven == 0
     fx, fy = graph.diff(x), graph.diff(y)

@@ -11,7 +11,7 @@ import sympy as sp
 
 from exhibits.envelope_equations import eq04_terms
 from tests.envelopes_zoo import GENERAL, GRID, RULED, ruled
-from tests.symbols_envelopes import CUBIC, NAMES, F, at, f, plain, u, v, values, x, y, zero
+from tests.symbols_envelopes import CUBIC, NAMES, F, at, f, jet_of, plain, u, v, values, x, y, zero
 from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
 from tunneller_lib.envelopes.families import moving_cone
 from tunneller_lib.envelopes.jet import Jet, jet_variables
@@ -150,9 +150,7 @@ def test_remark5_rulings_depend_analytically_on_the_point(judge):
     formulas = [zero(QUADRATIC.subs({u: 1, v: slope})) for slope in slopes]
     straight = []
     for graph, ruling in ((y / x, (x, y)), (sp.atan2(y, x), (x, y)), (y / x, (sp.S(0), sp.S(1)))):
-        forms = {symbol: graph.diff(*pair) for symbol, pair in
-                 ((F("xx"), (x, x)), (F("xy"), (x, y)), (F("yy"), (y, y)), (F("xxx"), (x, x, x)),
-                  (F("xxy"), (x, x, y)), (F("xyy"), (x, y, y)), (F("yyy"), (y, y, y)))}  # fmt: skip
+        forms = jet_of(graph)
         assert sp.simplify(b2.subs(forms).subs({x: 2, y: 3})) > 0
         along = {u: ruling[0], v: ruling[1]}
         assert zero(QUADRATIC.subs(forms).subs(along)) and zero(CUBIC.subs(forms).subs(along))
