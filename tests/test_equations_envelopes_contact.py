@@ -40,46 +40,34 @@ def in_digits(form, *symbols):
 # ---- 4: contact of tools and of surfaces ----------------------------------------------------
 
 
-class Cyclide:
-    """Example 31's envelope, whose conics lie over circles through (0, 0), in 60 digits."""
+ACROSS = y - sp.Rational(3, 10) - x / 5  # 0 on a line that crosses the circles of Example 31
+OUTLINE = 3 - x**2 - y**2  # 0 on the circle that all of them touch
 
-    across = y - sp.Rational(3, 10) - x / 5  # 0 on a line that crosses the circles
-    outline = 3 - x**2 - y**2  # 0 on the circle that all of them touch
 
-    def __init__(self, gap):
-        self.own, self.other = in_digits(EX31, x, y), in_digits(EX31 + gap, x, y)
+def on_circle(circle, step):
+    """Return a place on a circle through (0, 0) over which a conic of Example 31 lies."""
+    radius = mp.sqrt(3) / 2  # cot(30 degrees)/2
+    return [radius * (of(circle) + of(step)) for of in (mp.cos, mp.sin)]
 
-    def place(self, circle, step):
-        radius = mp.sqrt(3) / 2  # cot(30 degrees)/2
-        centre = radius * mp.cos(circle), radius * mp.sin(circle)
-        return centre[0] + radius * mp.cos(step), centre[1] + radius * mp.sin(step)
 
-    def crossing(self, circle):
-        line = sp.lambdify((x, y), self.across, "mpmath")
-        return mp.findroot(lambda step: line(*self.place(circle, step)), circle + 0.2)
+def cyclide_contacts(gap, circle, contact):
+    """Return in which order planes of a cone, and points, leave Example 31 for f + gap."""
+    own, other = in_digits(EX31, x, y), in_digits(EX31 + gap, x, y)
+    a, b = on_circle(circle, contact)
 
-    def planes(self, circle, contact):
-        """Return the order in which a cone's planes meet the other surface's, both as graphs."""
+    def planes(step):
+        at = on_circle(circle, contact + step)
+        return other(*at)[0] - own(*at)[0]
 
-        def gap(step):
-            at = self.place(circle, contact + step)
-            return self.other(*at)[0] - self.own(*at)[0]
+    def points(step, way):
+        p, q = a + step * way[0], b + step * way[1]
+        f, fx, fy = other(p, q)
+        r3 = 2 * (p * fx + q * fy - f) / (1 + p * p + q * q)  # Eq. 20
+        r1, r2 = p * r3 - fx, q * r3 - fy
+        return r3 * (r1 * r1 + r2 * r2 + r3 * r3) + 2 * (r1 * r1 + r3 * r3)
 
-        return order(gap)
-
-    def points(self, circle, contact):
-        """Return the orders in which points of the other surface leave the envelope."""
-        a, b = self.place(circle, contact)
-
-        def off(step, way):
-            p, q = a + step * way[0], b + step * way[1]
-            f, fx, fy = self.other(p, q)
-            r3 = 2 * (p * fx + q * fy - f) / (1 + p * p + q * q)  # Eq. 20
-            r1, r2 = p * r3 - fx, q * r3 - fy
-            return r3 * (r1 * r1 + r2 * r2 + r3 * r3) + 2 * (r1 * r1 + r3 * r3)
-
-        assert abs(off(0, (0, 0))) < 1e-50
-        return {order(lambda step, way=way: off(step, way)) for way in WAYS}
+    assert abs(points(0, (0, 0))) < 1e-50
+    return order(planes), {order(lambda step, way=way: points(step, way)) for way in WAYS}
 
 
 def hyperboloid_contacts(n):
@@ -126,25 +114,25 @@ def hyperboloid_contacts(n):
 
 
 def test_contact_of_tools_is_contact_of_surfaces(judge):
-    as_said = []
+    as_said, line = [], sp.lambdify((x, y), ACROSS, "mpmath")
     with mp.workdps(60):
         for n in (1, 2, 3, 4):
             # Tool positions with contact of order n in the space of planes, along a curve that
             # crosses them: so have, as points, the surface and the envelope.
-            surfaces = Cyclide(Cyclide.across ** (n + 1) * (1 + x * y) / 5)
             for circle in (mp.mpf("0.3"), mp.mpf(1), mp.mpf("-0.2")):
-                contact = surfaces.crossing(circle)
-                assert surfaces.planes(circle, contact) == n
-                as_said.append(surfaces.points(circle, contact) == {n})
+                contact = mp.findroot(lambda t, c=circle: line(*on_circle(c, t)), circle + 0.2)
+                gap = ACROSS ** (n + 1) * (1 + x * y) / 5
+                planes, points = cyclide_contacts(gap, circle, contact)
+                assert planes == n
+                as_said.append(points == {n})
             # And back: a surface that leaves an envelope with order n, as points, by the planes.
             as_said.append(hyperboloid_contacts(n) == [n, n])
         # The tool must move across its circles: along the curve that all of them touch, planes
         # have order 3 or 5 and the surfaces only 1 or 2.
-        for power, planes, points in ((2, 3, {1}), (3, 5, {2})):
-            surfaces = Cyclide(Cyclide.outline**power * (1 + x * y) / 5)
+        for power, orders in ((2, (3, {1})), (3, (5, {2}))):
+            gap = OUTLINE**power * (1 + x * y) / 5
             for circle in (mp.mpf("0.3"), mp.mpf(1)):
-                assert surfaces.planes(circle, circle) == planes
-                assert surfaces.points(circle, circle) == points
+                assert cyclide_contacts(gap, circle, circle) == orders
     judge("cones-contact-transfer", len(as_said) == 16 and all(as_said))
 
 
