@@ -32,6 +32,11 @@ def plain(expression):
     return sp.expand(expression)
 
 
+def jet_of(graph):
+    """Return what stands for f and its derivatives where f is given by its formula."""
+    return {s: graph.diff(*[x] * i, *[y] * j) if i + j else graph for (i, j), s in NAMES.items()}
+
+
 def F(name):
     return NAMES[name.count("x"), name.count("y")]
 

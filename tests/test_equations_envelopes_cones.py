@@ -7,24 +7,13 @@ it and the corrected form is proved. The verdicts stand in report/ledger/cone-en
 import numpy as np
 import sympy as sp
 
+from tests import symbols_envelopes as shared
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tests.shapes import directions
-from tests.symbols_envelopes import (
-    ANGLE,
-    SMALL,
-    circle_centre,
-    cone_points,
-    eq22,
-    example,
-    u,
-    v,
-    x,
-    y,
-)
+from tests.symbols_envelopes import ANGLE, SMALL, cone_points, eq22, example, u, v, x, y
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones, recognise
-from tunneller_lib.envelopes.adapted import isotropic_derivatives
 from tunneller_lib.envelopes.families import moving_cone
-from tunneller_lib.envelopes.isotropic import cone_vertex, contact_point, normal, osculating_conic
+from tunneller_lib.envelopes.isotropic import contact_point, normal, osculating_conic
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
 
 READS = ["report/ledger/*"]
@@ -45,20 +34,14 @@ def test_theorem16_envelopes_of_cones(judge):
 
 
 def test_prop17_positive_curvature(judge):
-    vertex, angle = np.array([0, 0, -2.0]), np.arcsin(0.5)
-    sphere = directions(np.random.default_rng(5), 4000)
-    distance = ConePose(vertex, (0, 0, 1), angle, 0.1, 10.0).clearance(sphere)
-    assert np.mean(distance < -1e-3) > 0.9
     ellipsoid, steps = GENERAL["ellipsoid"], np.array([-2, -1, 0, 1, 2]) * 1e-3
     cones = hyperosculating_cones(ellipsoid, *GRID, half_angle=0.3, model="space")
-    assert cones.gouges.all()
     enters = []
     for k, i in enumerate(cones.index):  # points of the surface next to the contact
         near = np.meshgrid(GRID[0][i] + steps, GRID[1][i] + steps)
         tool = cones.vertex[k], cones.axis[k], 0.3, 0.5 * cones.distance[k], 2 * cones.distance[k]
         enters.append(ConePose(*tool).clearance(np.stack(ellipsoid(*near), -1)).min() < -1e-9)
     judge("cones-prop17", len(enters) >= 40 and all(enters))
-    assert not hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE).gouges.all()  # K < 0
 
 
 def test_eq17_to_eq20_prop18_surface_and_graph(judge):
@@ -73,10 +56,6 @@ def test_eq17_to_eq20_prop18_surface_and_graph(judge):
         2 * a * fx + 2 * b * fy - 2 * value,
     ]) / square  # fmt: skip
     same = np.allclose(r, printed, atol=1e-13)  # (20) as printed
-    back = isotropic_derivatives(r, normal(a, b))
-    assert np.allclose(back, (a, b, value, fx, fy), atol=1e-13)
-    mirrored = isotropic_derivatives(-r, normal(a, b))  # as if the normals were turned over
-    assert np.abs(np.subtract(mirrored[2:], (value, fx, fy))).min() > 1e-3
     n = np.array(normal(a, b))  # (17) to (19) as printed
     printed = -n @ r, n[0] * r[2] - r[0] * (n[2] + 1), n[1] * r[2] - r[1] * (n[2] + 1)
     there = np.allclose(np.divide(printed, n[2] + 1), (value, fx, fy), atol=1e-13)
@@ -94,7 +73,6 @@ def test_eq21_normal(judge):
     printed = np.array([2 * a, 2 * b, 1 - a**2 - b**2]) / (a**2 + b**2 + 1)
     back = printed[:2] / (printed[2] + 1)
     judge("cones-eq21", np.isclose(np.linalg.norm(printed), 1) and np.allclose(back, place))
-    assert np.allclose(normal(a, b), printed, atol=1e-15)
 
 
 def test_eq22_prop19_vertex(judge):
@@ -103,56 +81,37 @@ def test_eq22_prop19_vertex(judge):
     for _ in range(20):
         vertex, axis, angle = rng.normal(size=3), directions(rng, 1)[0], rng.uniform(0.2, 1.3)
         points = cone_points(vertex, axis, angle)
-        U, V = circle_centre(points) - points[0, :2]
+        U, V = shared.circle_centre(points) - points[0, :2]
         slope = np.linalg.solve(points[1:3, :2] - points[0, :2], points[1:3, 2] - points[0, 2])
-        found = cone_vertex(points[0], (U, V), slope @ [V, -U], slope @ [U, V])
-        assert np.allclose(found, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2)
         here = dict(zip((x, y, u, v), (*points[0, :2], U, V), strict=True))
         printed = sp.Matrix(eq22(points[0, 2], slope @ [V, -U], slope @ [U, V])).subs(here)
         printed = np.array(printed.T, float)[0]
-        assert np.allclose(printed, found, rtol=1e-9, atol=1e-9)
         returns.append(np.allclose(printed, vertex, atol=1e-8 * (1 + np.abs(points).max()) ** 2))
-        tilted = cone_vertex(points[0], (U, V), slope @ [V, -U], slope @ [U, V] + 0.1)
-        assert np.linalg.norm(tilted - vertex) > 1e-3
     judge("cones-eq22", len(returns) == 20 and all(returns))
 
 
-def test_prop20_side(judge):
+def test_prop20_side_by_the_opposite_and_by_any_place(judge):
     x0, y0 = np.random.default_rng(7).uniform(0.3, 1.2, (2, 30))
     cones = hyperosculating_cones(example, x0, y0, half_angle=ANGLE)
-    as_said = []
-    for k in range(len(cones.vertex)):
-        i = cones.index[k]
-        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
-        opposite = 2 * circle_centre(points) - (x0[i], y0[i])
-        side = np.sign(np.array(normal(*opposite)) @ (cones.contact[k] - cones.vertex[k]))
-        assert side == cones.side[k]
-        as_said.append(side == np.sign(cones.axis[k] @ cones.normal[k]))  # where the cone lies
-    judge("cones-prop20", len(as_said) >= 60 and all(as_said))
-    assert {*cones.side.tolist()} == {-1.0, 1.0}  # both sides occur
-
-
-def test_prop20_any_place(judge):
-    # Places all round the circle, far and near, instead of the opposite one.
-    x0, y0 = np.random.default_rng(20).uniform(0.3, 1.2, (2, 30))
-    cones = hyperosculating_cones(example, x0, y0, half_angle=ANGLE)
-    turns = np.concatenate([np.linspace(0.1, 6.1, 13), [1e-3, -1e-3]])
+    turns = np.array([np.pi, *np.linspace(0.1, 6.1, 13), 1e-3, -1e-3])  # far and near
+    c, s = np.cos(turns), np.sin(turns)
     as_said = []
     for k, i in enumerate(cones.index):
-        centre = circle_centre(cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE))
+        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        centre = shared.circle_centre(points)
         start = np.array([x0[i], y0[i]]) - centre
-        c, s = np.cos(turns), np.sin(turns)
         there = centre + np.stack([c * start[0] - s * start[1], s * start[0] + c * start[1]], -1)
         sides = np.stack(normal(*there.T), axis=-1) @ (cones.contact[k] - cones.vertex[k])
         lies = np.sign(cones.axis[k] @ cones.normal[k])  # the half space that holds the cone
-        as_said.append(np.all(np.sign(sides) == lies))
-    judge("cones-prop20-any", len(as_said) >= 60 and all(as_said))
+        as_said.append(np.sign(sides) == lies)
+    assert len(as_said) >= 60
+    judge("cones-prop20", np.all(np.array(as_said)[:, 0]))
+    judge("cones-prop20-any", np.all(as_said))
+    assert {*cones.side.tolist()} == {-1.0, 1.0}  # both sides occur
 
 
 def test_remark21_distance(judge):
     cones = hyperosculating_cones(example, *GRID, half_angle=ANGLE)
-    measured = np.linalg.norm(cones.vertex - cones.contact, axis=1)
-    assert np.allclose(measured, cones.distance, atol=1e-9)
     # As printed, by (20) and (22): from the circle over which the cone's planes lie.
     z, a, b = sp.symbols("z a b")
     vertex = sp.lambdify((x, y, u, v, z, a, b), eq22(z, a, b))
@@ -160,7 +119,7 @@ def test_remark21_distance(judge):
     for k, i in enumerate(cones.index):
         here = np.array([GRID[0][i], GRID[1][i]])
         points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
-        centre = circle_centre(points) - here
+        centre = shared.circle_centre(points) - here
         jet = example(*jet_variables(*here))
         r = contact_point(*here, jet.value, jet.derivative(1, 0), jet.derivative(0, 1))
         m = vertex(*here, *centre, *osculating_conic(centre, jet))

