@@ -82,10 +82,14 @@ def parsed(text):
 
 
 class FunctionBlock:
-    """An instance of the function block that a text declares; its variables are in `state`."""
+    """An instance of the function block that a text declares; its variables are in `state`.
 
-    def __init__(self, text):
+    Whole numbers of the text, and those before the point, may stand for others, `instead`.
+    """
+
+    def __init__(self, text, instead=None):
         block = parsed(text)
+        self.instead = instead or {}
         self.state = {}
         for declarations in block.declarations:
             for item in declarations.items:
@@ -98,8 +102,12 @@ class FunctionBlock:
         if isinstance(init, ArrayTypeInitialization):
             (bounds,) = init.spec.subranges
             assert str(bounds.start) == "0"
-            return [begin] * (int(str(bounds.stop)) + 1)
+            return [begin] * (int(self.literal(bounds.stop)) + 1)
         return begin if init.value is None else self.expression(init.value)()
+
+    def literal(self, written):
+        whole, *behind = str(written).split(".")
+        return ".".join([self.instead.get(whole, whole), *behind])
 
     def __call__(self, **inputs):
         for key, value in inputs.items():
@@ -165,7 +173,7 @@ class FunctionBlock:
 
     def expression(self, one):
         if isinstance(one, Integer | Real):
-            number = (int if isinstance(one, Integer) else float)(str(one.value))
+            number = (int if isinstance(one, Integer) else float)(self.literal(one.value))
             return lambda: number
         if isinstance(one, SimpleVariable | MultiElementVariable):
             place = self.place(one)

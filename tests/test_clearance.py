@@ -51,15 +51,6 @@ def test_circuit_clearance_is_the_least_over_the_circuit(arm_radius):
     np.testing.assert_allclose(found, sampled.min(), atol=1e-9)
 
 
-@pytest.mark.parametrize(("lowest", "highest"), [(-0.3, 0.5), (-0.9, 0.2), (0.1, 0.4)])
-def test_joint_near_the_roof_decides(lowest, highest):
-    machine = replace(REFERENCE_MACHINE, height=0.35)
-    found = circuit_clearance(machine, EGG, lowest, highest, 0.0)
-    heights = machine.height - machine.r * np.sin(np.linspace(lowest, highest, 101))
-    assert found == pytest.approx(EGG.depth(np.zeros(101), heights).min(), abs=1e-12)
-    assert found < 0.9 * machine.offset
-
-
 def posed(seed):
     """Return two places and a rotation at random, about the egg."""
     rng = np.random.default_rng(seed)
@@ -112,13 +103,6 @@ def test_clearance_of_a_ball_from_many_flat_walls_is_that_from_the_nearest(sides
         nearest = np.min(1 - centre[1] * np.cos(turn) - centre[2] * np.sin(turn)) - radius
         ball = Rod(centre, centre, radius, ends="round")
         assert solid_clearance(section, ball) == pytest.approx(nearest, abs=1e-14)
-
-
-def test_solid_clearance_of_more_poses_than_a_block():
-    aside = np.linspace(-0.3, 0.3, 600)
-    place = np.stack([0 * aside, aside, 0 * aside], axis=-1)
-    many = solid_clearance(EGG, Rod((0, 0, 0), (0.1, 0, 0), 0.1), place=place)
-    np.testing.assert_allclose(many, EGG.depth(aside, 0.0) - 0.1, atol=1e-14)
 
 
 def in_tunnel(circuit, points, pose=None):

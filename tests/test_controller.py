@@ -199,20 +199,6 @@ def test_nothing_moves_at_power_on_or_while_disabled(machine):
     assert c.nState == STANDSTILL and [c.nSetTheta, c.nSetPhi] == one.at.tolist()
 
 
-def test_enabled_from_the_first_scan_on_it_stands_still_and_valves_open_wholly_at_most(machine):
-    whole = job()
-    stiff = replace(whole, controller={**whole.controller, "trip": 0.2, "gain": 40.0})
-    one = machine(stiff)
-    c = one.scan(20, bEnable=1, bStart=1)
-    assert (c.nState, c.bBusy) == (STANDSTILL, 0)
-    pushed = int(0.1 / stiff.planned.count)
-    stays = one.at.copy()
-    for way in (pushed, -pushed):
-        one.at = stays + way
-        c = one.scan()
-        assert c.nState == STANDSTILL and c.rValveTheta == c.rValvePhi == -np.sign(way)
-
-
 def test_start_away_from_the_start_position_is_an_error_and_never_a_jump(machine):
     one = machine()
     one.at = one.at + 2000
@@ -355,19 +341,6 @@ def test_starved_line_comes_to_rest_within_the_acceleration_and_goes_on(machine,
         # Where time is scaled the furthest place may be between two scans.
         assert abs(run[:, axis].min() - every[:, axis].min()) < 10
         assert abs(run[:, axis].max() - every[:, axis].max()) < 10
-
-
-def test_start_before_the_slow_tasks_first_call_waits_for_it_and_counts_every_tick(machine):
-    one = machine()
-    one.paused = True
-    first = one.at.copy()
-    c = one.go(scans=50)
-    assert c.nState == MOVING and [c.nSetTheta, c.nSetPhi] == first.tolist()
-    one.paused = False
-    plan = one.wanted.planned
-    ticks = plan.entry.ticks.sum() + plan.ticks.sum() + plan.leave.ticks.sum()
-    c = one.scan(ticks + 300)
-    assert c.bDone and c.nTick == ticks
 
 
 @pytest.mark.parametrize("seed", range(many(3, 50)))

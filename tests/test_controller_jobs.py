@@ -12,7 +12,6 @@ import pytest
 from tests.audit.long import many
 from tests.controllers import WIRED, Driven, build, c99_program, closed_loop, moved, with_program
 from tunneller_lib.job import read_job
-from tunneller_lib.job.controller import FULL, _rests
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 
 READS = ["tests/references/reference_job.toml"]
@@ -180,41 +179,3 @@ def test_what_cannot_be_kept_is_refused_with_what_can(changes, sentence):
         with_program(wanted)
     if "would do" in str(refused.value):
         with_program(with_its_value(wanted, str(refused.value)))
-
-
-def comes_to_rest(ticks, ramps, known, row):
-    """Return whether the scale falls to rest in known ticks from a row on, one scan at a time."""
-    left, scale, gone, begun = ticks[row], FULL, 0, True
-    while True:
-        free, corner = ramps[row]
-        most = free + (corner - free) * scale // FULL if begun else free
-        if left == 1 and row + 1 < len(ticks) and gone % FULL and gone // FULL + 1 < known:
-            free_then, corner = ramps[row + 1]
-            most = min(most, free_then + (corner - free_then) * scale // FULL)
-        room = max(known * FULL - gone, 0)
-        wanted = min(FULL, int((room * (FULL / known)) ** 0.5))
-        before, scale = scale, max(min(wanted, scale + most), scale - most)
-        crossed = (gone + scale) // FULL > gone // FULL
-        gone += scale
-        if gone >= known * FULL:
-            return max(before - min(scale, room), min(scale, room)) <= free
-        left -= crossed
-        begun = left == 0
-        if scale == 0 or (begun and row + 1 == len(ticks)):
-            return True
-        if begun:
-            row += 1
-            left = ticks[row]
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_where_a_stop_is_promised_each_stop_scan_by_scan_comes_to_rest(seed):
-    rng = np.random.default_rng(seed)
-    ticks = rng.integers(1, 6, 60)
-    free = rng.integers(FULL // 30, FULL // 8, 60)
-    ramps = np.stack([free, rng.integers(0, free + 1)], axis=1)
-    each = [all(comes_to_rest(ticks.tolist(), ramps.tolist(), known, row) for row in range(60))
-            for known in range(4, 60)]  # fmt: skip
-    said = [_rests(ticks, ramps, known) for known in range(4, 60)]
-    assert not any(promised and not kept for promised, kept in zip(said, each, strict=True))
-    assert True in said and False in each and sum(each) - sum(said) < 6

@@ -9,7 +9,7 @@ import sympy
 from sympy.physics import mechanics
 
 from tunneller_lib.job import read_job
-from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, reference_axes
+from tunneller_lib.motion import Compressible, Loop, Push, follow, reference_axes
 from tunneller_lib.motion.arm import Arm, couplings
 from tunneller_lib.motion.both_joints import machine_of as joints_of
 from tunneller_lib.motion.both_joints import machine_slopes
@@ -139,17 +139,6 @@ def test_push_resists_each_joint_by_its_parts(rates):
         lost = axis.inertia * (free[joint][1] - pushed[joint][1])
         assert lost == pytest.approx(resisted[joint], rel=1e-9)
     assert pushed[2][4] == pytest.approx(resisted @ rates, rel=1e-9)
-
-
-def test_push_holds_a_joint_back_by_its_torque():
-    # Without loop and leaks the oil is a spring: the torque over it is how far the joint gives way.
-    axes = reference_axes(REFERENCE_MACHINE)
-    plants = [Compressible(axis) for axis in axes]
-    still = np.full((3001, 2), 0.1)
-    loop = Loop(1e-9, 1e-3)
-    states = follow(plants, loop, still, push=Push(torque=(0.0, 10.0))).position
-    spring = axes[1].inertia * axes[1].natural_frequency(0.1) ** 2
-    assert 0.1 - states[-1, 1] == pytest.approx(10.0 / spring, rel=0.01)
 
 
 # The ground
@@ -282,26 +271,6 @@ def test_ground_holds_back_by_the_groove_that_is_really_cut():
     found = loads.pushed_off(made, OILY, [LOOP] * 2, torque)
     assert off.min() < -0.05 * depth
     np.testing.assert_allclose(found, off, atol=0.01 * np.abs(off).max())
-
-
-def test_held_commands_answer_the_picks_half_a_tick_late_beside_their_delay():
-    """One and a half ticks of 2 ms are half a tick of 6 ms: the answers to torques are the same."""
-    made = lap(MORTAR, tolerance=5e-3, rest=0.2)
-    torque = np.random.default_rng(1).normal(size=(len(made.ticks), 2))
-    short, long, early = (
-        [Loop(10.0, tick, delay=n)] * 2 for tick, n in ((2e-3, 1), (6e-3, 0), (2e-3, 0))
-    )
-    found, same, other = (
-        loads._answers(made, OILY, loop, MORTAR, ARM, torque) for loop in (short, long, early)
-    )
-    np.testing.assert_allclose(found, same, rtol=1e-12)
-    assert np.abs(other / found - 1).max() > 1e-3
-
-
-def test_loads_are_felt_by_oil_alone():
-    made = lap(MORTAR, tolerance=5e-3, rest=0.2)
-    with pytest.raises(ValueError, match=r"^plant: must be of class Compressible, .* got Lag and"):
-        Case(made, Lag(0.5, 0.02), LOOP, ground=MORTAR).fault("ground, mean")
 
 
 # Sizes

@@ -10,19 +10,6 @@ from kit import camera, gl, scene
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg
 
 
-def test_surfaces_carry_their_values():
-    x, y = np.mgrid[0:2:3j, 0:1:4j]
-    points = np.stack([x, y, x * y], axis=-1)
-    mesh = scene.surface(points, {"product": x * y})
-    np.testing.assert_allclose(mesh["product"], mesh.points[:, 2], atol=1e-7)
-    assert scene.surface(points).array_names == []
-
-
-def test_arrow_has_the_length_it_is_given():
-    shaft = scene.arrow((1, 0, 0), (0, 0, 3), 0.05)
-    assert (shaft.bounds[4], shaft.bounds[5]) == pytest.approx((0, 3), abs=1e-6)
-
-
 def test_wall_about_the_machine_is_left_open_on_its_right():
     egg, machine = Egg(0.5), REFERENCE_MACHINE
     (wall, _), *posed = machine_scene.machine_in_tunnel(machine, egg, 0.1, 0.2)

@@ -4,15 +4,7 @@ import numpy as np
 import pytest
 
 from exhibits.machine_scene import DARK
-from exhibits.tunnel_scene import (
-    OPENED,
-    SCALAR,
-    cut_scene,
-    posed_machine,
-    stages,
-    tunnel_mesh,
-    wall_mesh,
-)
+from exhibits.tunnel_scene import OPENED, SCALAR, cut_scene, posed_machine, stages, wall_mesh
 from kit.scene import shoot
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.paths import cutting_circuit
@@ -66,12 +58,6 @@ def test_wall_mesh_has_a_point_and_an_error_for_each_ray(cut):
     np.testing.assert_allclose(mesh.points[found], points[order], atol=1e-6)
     np.testing.assert_array_equal(mesh[SCALAR][found], 1e3 * errors[order])
     assert mesh.array_names == [SCALAR]
-
-
-def test_tunnel_mesh_lies_on_the_section():
-    mesh = tunnel_mesh(EGG, -1.0, 0.5)
-    np.testing.assert_allclose(EGG.depth(*mesh.points[:, 1:].T), 0, atol=1e-6)
-    assert set(np.unique(mesh.points[:, 0])) == {-1.0, 0.5}
 
 
 @pytest.mark.parametrize(
