@@ -6,6 +6,7 @@ import pytest
 from exhibits.machine_scene import DARK
 from exhibits.tunnel_scene import OPENED, SCALAR, cut_scene, posed_machine, stages, wall_mesh
 from kit.scene import shoot
+from tests.scenes import small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, plan, simulate
