@@ -211,15 +211,6 @@ def test_lateness_is_the_phase_of_a_slow_swing_over_its_frequency(plant, angle):
     assert linear.lateness == pytest.approx(-np.angle(rate) / slow, rel=1e-4, abs=1e-12)
 
 
-def test_a_lap_whose_stroke_lacks_the_angle_0_has_closed_forms():
-    axis = replace(AXES[0], low=-1.0, high=-0.1)
-    with pytest.raises(ValueError, match=r"^angle: must lie within the stroke"):
-        Compressible(axis).linear(0.0)
-    off = np.linspace(-0.6, -0.2, 5)
-    passed = rounding_passed(Compressible(axis), pair()[0], np.full(5, 1e-6), off)
-    assert passed == pytest.approx(np.full(5, 1 / 12), rel=0.02)
-
-
 # The whole
 
 
@@ -355,11 +346,3 @@ def test_no_key_is_named_that_a_job_lacks():
     assert changed(job, "encoder", 0.5).plan["count"] == job.plan["count"] / 2
     del job.plan["step"]
     assert changed(job, "step", 0.5).plan["step"] == 2.5e-3  # half of what a plan takes unless told
-
-
-def test_no_gain_is_named_at_which_a_loop_is_unstable(tmp_path):
-    (tmp_path / "job.toml").write_text(REFERENCE.read_text().replace("gain = 10 ", "gain = 16 "))
-    job = read_job(tmp_path / "job.toml")
-    fault = Case(job.planned, *job.axes).fault("following")
-    ((key, factor, _),) = halved_by(job, [replace(fault, remedies=(("gain", 2.0),))])
-    assert key is None or 16 * factor < 24

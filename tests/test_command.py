@@ -302,16 +302,6 @@ def test_job_writes_into_a_folder_of_its_own_under_build(job, tmp_path, monkeypa
     assert asked[0].parent == Path("build") and asked[0].name in ("toml", "job", "tunnel.v2")
 
 
-def test_a_job_in_ground_asks_for_the_share_of_its_valves_that_the_reference_says(job):
-    [said] = re.findall(r"^# valve = (\S+)", REFERENCE.read_text(), re.MULTILINE)
-    usual, more = (
-        read_job(job(changes, quick=False)).planned.limits
-        for changes in ({}, {"# valve = 0.8": "valve = 0.9"})
-    )
-    assert usual.valve == float(said) == 0.8 and more.valve == 0.9
-    assert usual.flow == 1.5e-4  # m^3/s, the pump's
-
-
 def test_litres_of_a_cut_are_those_that_its_ground_has_lost(job):
     made = read_job(job())
     cut = made.simulated()
@@ -372,18 +362,6 @@ def test_command_that_is_stopped_answers_in_json(capsys, monkeypatch, error, cod
     ended, said, told = run(capsys, "cut", REFERENCE, "--json")
     assert ended == code and json.loads(said) == answer
     assert told.count("\n") == 1 and told.startswith(next(iter(answer)))
-
-
-def test_answer_that_nobody_reads_stops_nothing():
-    code = "import tunneller_lib.__main__ as m; input(); m.tell('one'); m.tell('two'); print('end')"
-    process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, text=True, stdin=-1,
-                               stdout=-1, stderr=-1)  # fmt: skip
-    process.stdout.close()
-    told = process.stderr
-    process.stdin.write("go\n")
-    process.stdin.close()
-    assert process.wait(30) == 0 and told.read() == ""
-    told.close()
 
 
 def test_answer_is_json_where_a_number_is_not_finite(capsys):

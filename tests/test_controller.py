@@ -375,21 +375,6 @@ def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
     kept(one.rows, wanted)
 
 
-@pytest.mark.parametrize(("feed", "step"), [(0.05, 5e-4), (0.02, 6e-4)][: many(1, 2)])
-def test_starved_line_comes_to_rest_within_the_acceleration_wherever_it_is(machine, feed, step):
-    """Where few ticks suffice to stop, their last ones count."""
-    wanted = job(bits=26, feed=feed, step=step, tolerance=5e-3)
-    one = machine(wanted)
-    one.go(scans=300)
-    rng = np.random.default_rng(1)
-    while not one.c.bDone:
-        one.paused = True
-        one.scan(int(rng.integers(60, 1200)))
-        one.paused = False
-        one.scan(int(rng.integers(100, 900)))
-    kept(one.rows, wanted)
-
-
 INTERRUPTED = """
 #include <signal.h>
 #include <stdio.h>

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.controllers import WIRED, Driven, build, c99_program, closed_loop, moved, with_program
+from tests.controllers import WIRED, build, with_program
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 
@@ -112,40 +112,6 @@ def test_any_job_runs_in_its_time_or_is_refused_with_a_value_that_does(tmp_path,
     assert (steps, error) == (plan.laps - 1, 0)
     # The hand-over of a step takes a scan besides.
     assert abs(scans - ticks - steps) <= 1
-
-
-def test_trip_that_is_accepted_is_not_reached_in_a_run(tmp_path):
-    """Theta's error counts by the longest arm, where phi is wide and the arm short, too."""
-    whole = read_job(REFERENCE_JOB)
-    wide = {
-        "r": 0.01, "phi_min": -1.3, "phi_max": 1.3, "theta_min": -1.3, "theta_max": 1.05,
-        "height": -0.03, "cutter_radius": 0.12,
-    }  # fmt: skip
-    wanted = replace(
-        whole,
-        machine={**whole.machine, **wide},
-        section={"shape": "circle", "radius": 0.775},
-        plan={**whole.plan, "arm_radius": 0.02},
-        controller={**whole.controller, "plant": "T1", "gain": 8.0, "feedforward": 0.0},
-    )
-    with pytest.raises(ValueError, match=r"^\[controller\] trip: ") as refused:
-        with_program(wanted)
-    wanted = with_its_value(wanted, str(refused.value))
-    made = with_program(wanted)
-    driven = Driven(c99_program(COMPILER, tmp_path, made, "-std=c99", "-O1"))
-    found = closed_loop(driven, wanted, made, len(moved(wanted.planned)[1]) + 2000)
-    assert driven.close() == 0
-    assert found[-1, 7] == 1 and found[:, 6].max() < 4  # done, never in ErrorStop
-
-
-def test_way_to_the_start_position_is_within_32_bits_however_slow_and_long():
-    whole = read_job(REFERENCE_JOB)
-    slow = replace(whole, limits={**whole.limits, "feed": 3e-3},
-                   controller={**whole.controller, "trip": 1.0})  # fmt: skip
-    text = with_program(slow).text
-    parts, ticks = (int(re.search(rf" {name} : .*:= \[?(\d+)", text)[1])
-                    for name in ("nParts", "aTicks"))  # fmt: skip
-    assert 2**28 < parts * ticks <= 2**30
 
 
 @pytest.mark.parametrize("encoder", [0.0, 2e-4])

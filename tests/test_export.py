@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.structured_text import FunctionBlock, check_names
+from tests.structured_text import FunctionBlock
 from tunneller_lib.motion import polyline
 from tunneller_lib.motion.export import (
     C_HEAD,
@@ -114,10 +114,6 @@ def test_line_in_c_of_a_hundred_thousand_moves_is_exact(tmp_path, compiler, part
         values = np.empty(move[2] + 1, dtype=np.int32)
         fill(values.ctypes.data_as(ctypes.c_void_p), *move)
         assert values.tolist() == in_parts(*move, parts)
-
-
-def test_names_of_the_line_are_short_and_free():
-    check_names(line_text(parts=1))
 
 
 # ---- the translator -------------------------------------------------------------------------

@@ -1,7 +1,6 @@
 """The house: floors, docstrings, the speed of its import, notebooks that ask a question."""
 
 import ast
-import json
 import re
 import subprocess
 import sys
@@ -10,14 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from report.sources import notebooks
-
 READS = ["notebooks/*", "tunneller_lib/*"]
 
 ROOT = Path(__file__).resolve().parents[1]
 LIBRARY = ROOT / "tunneller_lib"
 MODULES = sorted(LIBRARY.rglob("*.py"))
-NOTEBOOKS = notebooks()
 FLOORS = {
     "arguments": 0, "kernels": 0, "terminal": 0,
     "surfaces": 1, "envelopes": 1,
@@ -38,7 +34,6 @@ def name_of(path):
 
 
 every_module = pytest.mark.parametrize("path", MODULES, ids=name_of)
-every_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=name_of)
 
 
 def room(path):
@@ -167,19 +162,6 @@ def test_import_brings_nothing_heavy():
     rooms = ", ".join(f"tunneller_lib.{room}" for room in FLOORS if (LIBRARY / room).is_dir()
                       and FLOORS[room] < 5)  # fmt: skip
     assert not heavy & set(child(code.format(f"import {rooms}")).split())
-
-
-@every_notebook
-def test_cells_before_the_first_picture_are_hidden_on_pages_and_in_jupyterlab(path):
-    way = 'give the cell the tag "hide-input" and "jupyter": {"source_hidden": true}'
-    cells = [c for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "code"]
-    shows = [any("image/png" in o.get("data", {}) or "text/html" in o.get("data", {})
-                 for o in cell["outputs"]) for cell in cells]  # fmt: skip
-    assert any(shows), "no picture: run the notebook"
-    for number, cell in enumerate(cells):
-        tagged = "hide-input" in cell["metadata"].get("tags", [])
-        folded = cell["metadata"].get("jupyter", {}).get("source_hidden", False)
-        assert tagged == folded and (tagged or number > shows.index(True)), way
 
 
 def own_names(path):

@@ -123,19 +123,6 @@ def test_every_unit_has_variables_and_a_body_and_they_come_in_the_schemes_order(
     assert [local(one) for one in configuration] == ["resource", "globalVars"]
 
 
-def test_types_are_elementary_or_declared_before(texts):
-    root, _ = texts
-    known = {"BOOL", "DINT", "LREAL"}
-    for unit in (*root.iter(f"{PLC}dataType"), *root.iter(f"{PLC}pou")):
-        kinds = {kind_of(one) for one in unit.iter(f"{PLC}type")}
-        assert {re.sub(r"^ARRAY \[0\.\.\d+\] OF ", "", kind) for kind in kinds} <= known
-        known.add(unit.get("name"))
-    # Instances are derived types, not elements of a name that no scheme has.
-    assert {one.get("name") for one in root.iter(f"{PLC}derived")} == {
-        "FB_Line", "FB_Loop", "FB_Setpoints", "FB_Tunneller", "T_Setpoint", "T_Ring", "T_Job"
-    }  # fmt: skip
-
-
 def test_xml_has_the_texts_and_variables_of_the_structured_text(texts):
     root, text = texts
     for structure in root.iter(f"{PLC}dataType"):
@@ -162,17 +149,6 @@ def test_xml_has_the_texts_and_variables_of_the_structured_text(texts):
         assert f"TASK {name}(INTERVAL := {interval}, PRIORITY := {priority});" in configuration
         instance, kind = one[0].get("name"), one[0].get("typeName")
         assert f"PROGRAM {instance} WITH {name} : {kind};" in configuration
-
-
-def test_external_variables_are_the_globals_one_a_line(texts):
-    # The grammar has a list of names for VAR and VAR_GLOBAL, and one name for VAR_EXTERNAL.
-    _, text = texts
-    shared = {row[1:] for row in declared(text[text.index("\nCONFIGURATION ") :])}
-    rows = re.findall(r"^VAR_EXTERNAL\n(.*?)END_VAR$", text, re.M | re.S)
-    assert len(rows) == 3
-    for line in "".join(rows).splitlines():
-        name, kind = re.fullmatch(r" {4}(\w+) : (\w+);(?: \(\*.*\*\))?", line).groups()
-        assert (name, kind, "") in shared
 
 
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=40))

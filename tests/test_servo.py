@@ -162,15 +162,6 @@ def test_unstable_loops_of_hydraulic_axes_are_run_and_said_so(tier, axis, angle,
     assert np.all(np.isfinite(wild.position)) and np.max(np.abs(wild.command)) <= 1
 
 
-def test_stability_is_asked_for_all_angles_of_the_set_values():
-    plant = Compressible(AXES[0])
-    low, high = (eigenvalue_limit(plant.linear(a), Loop(12.0, T)) for a in (-1.04, 0.0))
-    loop = Loop((low + high) / 2, T)
-    assert is_stable(plant, loop) and not is_stable(plant, loop, [0.0, -1.04])
-    assert follow(plant, loop, np.linspace(0.0, 0.01, 50)).stable == (True,)
-    assert follow(plant, loop, np.linspace(-1.04, -0.9, 500)).stable == (False,)
-
-
 # ---- ramps and steps ------------------------------------------------------------------------
 
 
@@ -212,27 +203,6 @@ def test_encoder_holds_the_error_within_a_count():
     track = follow(Integrator(0.5), Loop(10.0, T, count=count, feedforward=1.0),
                      ramp(0.05, 2000), slopes=np.full(2000, 0.05))  # fmt: skip
     assert count / 16 < track.largest_error < count
-
-
-def test_delay_puts_the_answer_off():
-    step = np.concatenate([[0.0], np.full(50, 0.01)])
-    prompt, late = (follow(Integrator(0.5), Loop(10.0, T, delay=m), step) for m in (0, 3))
-    assert np.all(late.position[:5] == 0) and prompt.position[2] > 0
-    assert np.all(late.command[:4] == 0) and late.command[4] == prompt.command[1] > 0
-
-
-def test_static_inverse_beats_one_gain_for_all():
-    axis = AXES[0]
-    setvalues = np.radians(-30) + np.radians(20) * np.sin(np.arange(1001) * 2 * np.pi / 1000)
-    slopes = np.diff(setvalues) / T
-    loop = Loop(10.0, T, feedforward=1.0)
-    gain = axis.resonance(0.0).gain
-    tracks = [
-        follow(Rigid(axis), loop, setvalues, slopes=slopes, inverse=inverse)
-        for inverse in (None, lambda rate, position: rate / gain)
-    ]
-    assert tracks[0].rms_error < 0.3 * tracks[1].rms_error
-    assert [track.stable for track in tracks] == [(True,), (None,)]
 
 
 # ---- ripple ---------------------------------------------------------------------------------

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from exhibits.machine_scene import DARK
-from exhibits.tunnel_scene import OPENED, SCALAR, cut_scene, posed_machine, stages, wall_mesh
-from kit.scene import shoot
+from exhibits.tunnel_scene import OPENED, SCALAR, posed_machine, stages, wall_mesh
 from tests.scenes import small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.paths import cutting_circuit
@@ -80,16 +79,3 @@ def test_posed_machine_has_its_cutter_where_the_simulation_has_it(options):
         back = cut.plan.advance * (tick > last(cut) // 2) * (cut.plan.laps - 1)
         off = joint - [-back, 0, circuit.machine.height]
         assert np.max(np.abs(off)) < (0.012 if "pose" in options else 5e-4)
-
-
-def test_tunnel_scene_changes_with_time_and_keeps_its_camera(cut):
-    early, late = (cut_scene(cut, tick, wall=wall) for tick, wall in
-                   zip((40, last(cut)), stages(cut, [40, last(cut)]), strict=True))  # fmt: skip
-    assert early.camera.position == late.camera.position
-    pictures = [shoot(plotter, direction=None).astype(int) for plotter in (early, late)]
-    part = np.s_[:, : pictures[0].shape[1] * 13 // 16]  # without the colour bar
-    red, green, blue = np.moveaxis(pictures[1][part], -1, 0)
-    reddish = np.count_nonzero((red > green + 60) & (red > blue + 60) & (np.abs(green - blue) < 40))
-    red, green, blue = np.moveaxis(pictures[0][part], -1, 0)
-    before = np.count_nonzero((red > green + 60) & (red > blue + 60) & (np.abs(green - blue) < 40))
-    assert reddish > 200 and reddish > 5 * before  # the left wall loses too much
