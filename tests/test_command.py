@@ -120,16 +120,6 @@ def test_job_takes_a_body(job):
     assert min(parts.values()) > 0.05
 
 
-def test_job_warns_of_a_body_that_only_its_pose_moves_into_the_wall(job):
-    about = {"# width = 0.3": "width = 0.74", "# [pose]": "[pose]", "# y = 1e-3": "y = 2e-2"}
-    made = read_job(job(BODY | about))
-    (warning,) = results._colliding(made)
-    assert re.fullmatch(
-        r"the machine's box is 0\.0\d\d m in the wall, where it stands by \[pose\]\.", warning
-    )
-    assert results._colliding(read_job(job(BODY))) == []
-
-
 def test_job_takes_pieces_of_a_drawing_s_digits_within_its_snap(job):
     drawn = HORSESHOE.replace("length = 0.4}", "length = 0.400000001}", 1)
     changes = {EGG: drawn, "a = 0.5 ": "#"}
@@ -198,11 +188,6 @@ def test_file_that_nobody_would_write_is_told_in_a_short_sentence(tmp_path, cont
         read_job(tmp_path / "bytes.toml")
     told = str(wrong.value)
     assert sentence in told and told.isprintable() and len(told) < 600
-
-
-def test_job_may_begin_with_a_mark_of_its_encoding(tmp_path):
-    (tmp_path / "job.toml").write_bytes(b"\xef\xbb\xbf" + REFERENCE.read_bytes())
-    assert read_job(tmp_path / "job.toml") == read_job(REFERENCE)
 
 
 # What is run

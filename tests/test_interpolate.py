@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exhibits.interpolators import INTERPOLATORS
 from tunneller_lib.motion import polyline, rounding_spectrum, tick_counts, time_bresenham
 
 LOW, HIGH = -(2**31), 2**31 - 1
@@ -89,28 +88,6 @@ def test_rounding_spectrum_is_that_of_the_line(ticks):
             error = (time_bresenham(0, difference, ticks)[:-1] - exact).astype(float)
             found = np.abs(np.fft.rfft(error)) / ticks
             np.testing.assert_allclose(rounding_spectrum(difference, ticks), found, atol=1e-13)
-
-
-# ---- the rivals -----------------------------------------------------------------------------
-
-
-def worst(name, difference, ticks):
-    exact = np.arange(ticks + 1) * (difference / ticks)
-    return np.max(np.abs(INTERPOLATORS[name](0, difference, ticks) - exact))
-
-
-def test_rivals_err_as_their_kind_does():
-    difference, ticks = 20_011, 60_000
-    assert worst("integer line", difference, ticks) <= 0.5
-    assert worst("listing", difference, ticks) < 0.5 + 1e-6
-    assert 0.9 < worst("floor of the line", difference, ticks) < 1
-    assert worst("whole slope only", difference, ticks) == difference
-    # A slope in steps of 2^-16 counts is off by up to half a step, cut off by up to a whole one.
-    assert worst("Q16.16, rounded", difference, ticks) < 0.5 + ticks / 2**17 + 1e-9
-    assert worst("Q16.16, truncated", difference, ticks) < 1 + ticks / 2**16 + 1e-9
-    for rival in ("DDA, single precision", "listing, single precision"):
-        assert worst(rival, difference, ticks) > worst(rival, difference // 60, ticks // 60)
-    assert worst("DDA, single precision", difference, ticks) > 3
 
 
 # ---- wrong input ----------------------------------------------------------------------------

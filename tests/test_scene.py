@@ -40,11 +40,6 @@ def test_body_of_the_machine_is_drawn_where_the_wall_is_kept_clear_of_it():
     off = np.linalg.norm(about[0].points - tip - along[:, None] * back, axis=-1)
     assert (along.min(), along.max()) == pytest.approx((0, 0.4), abs=1e-6)
     assert off.max() == pytest.approx(0.12, abs=1e-6)
-    # Without a holder there is none, without a body no box.
-    bare = replace(machine, body=replace(body, holder_length=0.0))
-    assert len(machine_scene.machine_model(bare, 0.1, 0.2)) == len(parts) - 1
-    usual = machine_scene.machine_model(REFERENCE_MACHINE, 0.1, 0.2)
-    assert not any(look is machine_scene.CASE for _, look in usual)
 
 
 @pytest.mark.parametrize("parallel", [True, False])
