@@ -7,7 +7,6 @@ LREAL that was never set is no number. What the study's exports don't use isn't 
 
 import math
 import operator
-import re
 from functools import cache
 
 from blark.parse import parse_source_code
@@ -194,16 +193,3 @@ def done(operate, *numbers):
 
 def name(variable):
     return str(variable.name)
-
-
-def check_names(text):
-    """Raise where a block's names are taken, too long, alike but for capitals, or never used."""
-    declared = [name(one.variable) for part in parsed(text).declarations
-                for item in part.items for one in item.variables]  # fmt: skip
-    upper = {one.upper() for one in declared}
-    assert len(upper) == len(declared)
-    assert not upper & IEC_KEYWORDS
-    assert max(map(len, declared)) <= 24  # what a PLC tells apart
-    body = re.sub(r"\(\*.*?\*\)", "", text[text.rindex("END_VAR") :], flags=re.S)
-    used = set(re.findall(r"(?<![\w.])[A-Za-z]\w*", body))
-    assert {one for one in used if one.upper() not in IEC_KEYWORDS} == set(declared)

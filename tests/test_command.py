@@ -311,14 +311,6 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     assert 0.4 <= float(knots[11]) <= 0.6 and knots[12:] == ["your", "choice"]
 
 
-@pytest.mark.parametrize("arguments", [["dig"], ["cut"], ["cut", "a.toml", "--share", "1"]])
-def test_command_refuses_wrong_usage(capsys, arguments):
-    with pytest.raises(SystemExit) as end:
-        main(arguments)
-    said, told = capsys.readouterr()
-    assert end.value.code == 2 and not said and "error: " in told
-
-
 def without(package, *arguments):
     """Run the command line in a process that lacks a package."""
     code = f"import sys; sys.modules[{package!r}] = None; sys.path.insert(0, {str(ROOT)!r}); "

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
-from exhibits import groove_plot, machine_plot, motion_plot, path_plot, response_plot
+from exhibits import groove_plot, machine_plot, motion_plot, response_plot
 from exhibits.shaded import draw_shaded, on_paper
 from kit import COLOURS, figure
 from tunneller_lib.motion import Integrator, Loop, Resonance, follow
@@ -59,17 +59,6 @@ def test_side_view_has_both_limbs_and_the_tunnel_levels(ax):
 
 
 # ---- the torus and its paths ----------------------------------------------------------------
-
-
-def test_ways_begin_and_end_together_and_the_legend_has_their_excess(ax):
-    p, q = (0.0, 0.1), (0.4, -0.3)
-    path_plot.draw_ways(ax, TORUS, p, q)
-    for way in ax.lines:
-        ends = np.radians(way.get_xydata()[[0, -1]])
-        np.testing.assert_allclose(ends, [p, q], atol=1e-9)
-    geodesic, spheres, joints = (way.get_label() for way in ax.lines)
-    assert geodesic.startswith("geodesic, ") and "longer by" in spheres and "longer by" in joints
-    assert float(spheres.split()[-2]) > 0 and float(joints.split()[-2]) > 0
 
 
 # ---- rods and balls -------------------------------------------------------------------------

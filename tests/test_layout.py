@@ -134,28 +134,6 @@ def child(code):
                           capture_output=True).stdout  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "name", ["tunneller_lib", *(f"tunneller_lib.{room}" for room in FLOORS if FLOORS[room] < 5
-                                and (LIBRARY / room).is_dir())]
-)  # fmt: skip
-def test_import_calls_less_than_that_of_numpy(name):
-    """Calls are counted, of Python and of C: seconds would be those of the machine's other work."""
-    code = f"""
-import sys
-calls = 0
-def count(frame, event, argument):
-    global calls
-    calls += event in ("call", "c_call")
-sys.setprofile(count)
-import numpy
-of_numpy = calls
-import {name}
-sys.setprofile(None)
-print(of_numpy, calls - of_numpy)"""
-    of_numpy, own = map(int, child(code).split())
-    assert 0 < own < of_numpy
-
-
 def test_import_brings_nothing_heavy():
     code = "import sys; {}; print(*sys.modules)"
     heavy = {"matplotlib", "pyvista", "vtk", "IPython", "PIL", "numba", "scipy"}  # till their use

@@ -43,7 +43,6 @@ AXES = reference_axes(REFERENCE_MACHINE)
 SIZES = usual_sizes(REFERENCE_MACHINE)
 LINEAR = [Integrator(0.5), Lag(0.5, 0.02), Resonance(0.5, 100.0, 0.15),
           ValveResonance(0.5, 0.5, 100.0, 0.15, 0.004)]  # fmt: skip
-every_linear = pytest.mark.parametrize("plant", LINEAR, ids=["T0", "T1", "resonance", "valve"])
 
 
 def ramp(speed, ticks, tick=T):
@@ -119,12 +118,6 @@ def test_sampled_resonance_limit_is_that_of_the_eigenvalues(frequency, damping, 
     limit = sampled_resonance_limit(frequency, damping, tick)
     found = eigenvalue_limit(Resonance(0.5, frequency, damping), Loop(limit / 50, tick))
     assert found == pytest.approx(limit, rel=1e-9)
-
-
-@pytest.mark.parametrize("tick", [1e-9, 1e-7, 1e-5])
-def test_sampled_resonance_limit_of_short_ticks_is_the_continuous_one(tick):
-    found = sampled_resonance_limit(100.0, 0.15, tick)
-    assert found == pytest.approx(resonance_limit(100.0, 0.15), rel=max(100 * tick, 1e-6))
 
 
 @pytest.mark.parametrize("plant", [*LINEAR, ValveResonance(0.6, 0.5, 90.0, 0.2, 0.01)])
@@ -261,16 +254,6 @@ def test_stroke_is_kept_by_set_values_and_by_the_axis(tier):
     message = r"^setvalues: an axis must stay within its stroke, -62.0 to 37.0 deg; got 37"
     with pytest.raises(ValueError, match=message):
         follow(tier(axis), Loop(10.0, T), np.zeros(2000), inverse=lambda rate, position: 1.0)
-
-
-@pytest.mark.parametrize("last", [3, 2, 11])
-def test_part_of_a_track_ends_after_its_beginning_and_within_the_run(last):
-    track = follow(Integrator(1.0), Loop(10.0, 5e-3), np.arange(11))
-    part = track.between(3, 10)
-    assert len(part.setvalue) == len(part.command) + 1 == 8 and part.setvalue[0] == 3
-    with pytest.raises(ValueError) as refusal:
-        track.between(3, last)
-    assert str(refusal.value) == f"last: must be above 3 and at most 10; got {last}."
 
 
 @pytest.mark.parametrize("arm", [None, arm_of(REFERENCE_MACHINE, SIZES)], ids=["apart", "one arm"])

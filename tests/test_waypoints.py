@@ -9,9 +9,8 @@ import ctypes
 import numpy as np
 import pytest
 
-from tests.references.controller_cycles import waypoints_c99, waypoints_text
+from tests.references.controller_cycles import waypoints_c99
 from tests.references.waypoint_operations import COLUMNS, TABLE, rows, waypoints
-from tests.structured_text import check_names
 from tests.test_export import built, compilers
 from tunneller_lib.paths import corrected_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE
@@ -95,7 +94,3 @@ def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
     with TABLE.open(newline="") as file:
         assert list(csv.reader(file)) == [COLUMNS, *(list(map(str, row)) for row in counted)]
     assert counted[-1] == [32, 1514, 103, 144] and sum(counted[-1][1:]) <= 6 * CHORD
-
-
-def test_names_are_short_and_free():
-    check_names(waypoints_text(1000))
