@@ -336,9 +336,6 @@ REFUSED = [
      r"^\[hydraulics\] supply: must move the weight.*\. The cylinders' sizes are those of "),
     ({"# [hydraulics]        #": "[hydraulics]\nlift_dead_length = 0.4\n#"},
      r"^\[hydraulics\] stroke: .* The cylinders' sizes .* plant = \"T0\" in \[controller\]"),
-    ({"# [hydraulics]        #": "[hydraulics]\nlift_rod = 0.06\n#"},
-     r"^\[hydraulics\] rod: must be thinner than the bore"),
-    ({"normal = 0.5": "ripple_ = 0.5"}, r"^\[ground\] ripple_: isn't known; 'ripple' is meant"),
     ({"ripple = 0.3": "ripple = 1.0"}, r"^\[ground\] ripple: must be from 0 to below 1; got 1"),
 ]  # fmt: skip
 
