@@ -133,7 +133,7 @@ class FunctionBlock:
                 yield f"{indent}else:"
                 yield from self.lines(one.else_clause, f"{indent} ")
             elif isinstance(one, ForStatement):
-                step = int(self.value(one.step)) if one.step else 1
+                step = eval(self.value(one.step)) if one.step else 1
                 first, last = self.value(one.from_), self.value(one.to)
                 yield f"{indent}for i in range({first}, {last} + {step}, {step}):"
                 yield f"{indent} store(s, {name(one.control)!r}, i)"
