@@ -7,11 +7,13 @@ from matplotlib.colors import to_rgb
 from kit import COLOURS, scene
 
 
-@pytest.fixture(autouse=True)
-def small_scenes(monkeypatch):
+@pytest.fixture(autouse=True, scope="module")
+def small_scenes():
     """Draw scenes on half of the pixels each way, a fourth of the work."""
     width, height = scene.THEME.window_size
-    monkeypatch.setattr(scene.THEME, "window_size", [width // 2, height // 2])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scene.THEME, "window_size", [width // 2, height // 2])
+        yield
 
 
 def share(picture, colour):

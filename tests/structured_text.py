@@ -7,7 +7,6 @@ LREAL that was never set is no number. What the study's exports don't use isn't 
 
 import math
 import operator
-import re
 from functools import cache
 
 from blark.parse import parse_source_code
@@ -82,141 +81,115 @@ def parsed(text):
 
 
 class FunctionBlock:
-    """An instance of the function block that a text declares; its variables are in `state`."""
+    """An instance of the function block that a text declares; its variables are in `state`.
 
-    def __init__(self, text):
+    It runs as the Python that its statements say. Whole numbers of the text, and those before the
+    point, may stand for others, `instead`.
+    """
+
+    def __init__(self, text, instead=None):
         block = parsed(text)
+        self.instead = instead or {}
         self.state = {}
         for declarations in block.declarations:
             for item in declarations.items:
                 for declared in item.variables:
                     self.state[name(declared.variable)] = self.begin(item.init)
-        self.run = self.sequence(block.body)
+        lines = ["def run(s):", *self.lines(block.body, " ")]
+        exec("\n".join(lines), globals(), made := {})
+        self.run = made["run"]
 
     def begin(self, init):
         begin = BEGIN[str(init.spec.type)]
         if isinstance(init, ArrayTypeInitialization):
             (bounds,) = init.spec.subranges
             assert str(bounds.start) == "0"
-            return [begin] * (int(str(bounds.stop)) + 1)
-        return begin if init.value is None else self.expression(init.value)()
+            return [begin] * (int(self.literal(bounds.stop)) + 1)
+        return begin if init.value is None else eval(self.value(init.value))
+
+    def literal(self, written):
+        whole, *behind = str(written).split(".")
+        return ".".join([self.instead.get(whole, whole), *behind])
 
     def __call__(self, **inputs):
         for key, value in inputs.items():
-            self.store(self.state, key, value)
-        self.run()
+            store(self.state, key, value)
+        self.run(self.state)
 
-    def store(self, where, key, value):
-        if type(value) is not type(where[key]):  # also refuses what isn't declared
-            raise TypeError(f"{key} := {value!r}")
-        if type(value) is int and not LOW <= value <= HIGH:
-            raise OverflowError(f"{key} := {value}")
-        where[key] = value
-
-    def sequence(self, part):
+    def lines(self, part, indent):
+        """Yield the lines of Python of a list of statements."""
         statements = part.statements if part else []
-        actions = [self.statement(one) for one in getattr(statements, "statements", statements)]
-
-        def run():
-            for action in actions:
-                action()
-
-        return run
-
-    def statement(self, one):
-        if isinstance(one, AssignmentStatement):
-            (target,) = one.variables
-            place, value = self.place(target), self.expression(one.expression)
-            return lambda: self.store(*place(), value())
-        if isinstance(one, IfStatement):
-            branches = [(self.expression(branch.if_expression), self.sequence(branch))
-                        for branch in (one, *one.else_ifs)]  # fmt: skip
-            otherwise = self.sequence(one.else_clause)
-            return lambda: next((then for true, then in branches if true()), otherwise)()
-        if isinstance(one, ForStatement):
-            key, body = self.declared(name(one.control)), self.sequence(one)
-            first, last = self.expression(one.from_), self.expression(one.to)
-            step = self.expression(one.step)() if one.step else 1
-
-            def loop():
-                for i in range(first(), last() + step, step):
-                    self.store(self.state, key, i)
-                    body()
-
-            return loop
-        raise NotImplementedError(str(one))
+        yield f"{indent}pass"
+        for one in getattr(statements, "statements", statements):
+            if isinstance(one, AssignmentStatement):
+                (target,) = one.variables
+                where, key = self.place(target)
+                yield f"{indent}store({where}, {key}, {self.value(one.expression)})"
+            elif isinstance(one, IfStatement):
+                for word, branch in zip(["if", *["elif"] * len(one.else_ifs)],
+                                        [one, *one.else_ifs], strict=True):  # fmt: skip
+                    yield f"{indent}{word} {self.value(branch.if_expression)}:"
+                    yield from self.lines(branch, f"{indent} ")
+                yield f"{indent}else:"
+                yield from self.lines(one.else_clause, f"{indent} ")
+            elif isinstance(one, ForStatement):
+                step = eval(self.value(one.step)) if one.step else 1
+                first, last = self.value(one.from_), self.value(one.to)
+                yield f"{indent}for i in range({first}, {last} + {step}, {step}):"
+                yield f"{indent} store(s, {name(one.control)!r}, i)"
+                yield from self.lines(one, f"{indent} ")
+            else:
+                raise NotImplementedError(str(one))
 
     def place(self, variable):
-        """Return a function that tells where a variable is: in `state`, or in an array of it."""
+        """Return where a variable is, in `state` or in an array of it, and its key there."""
         if isinstance(variable, SimpleVariable):
-            where = self.state, self.declared(name(variable))
-            return lambda: where
+            return "s", repr(name(variable))
         (subscripts,) = variable.elements
-        key = self.declared(name(variable.name))
-        (index,) = map(self.expression, subscripts.subscripts)
+        (index,) = map(self.value, subscripts.subscripts)
+        where = f"s[{name(variable.name)!r}]"
+        return where, f"within({where}, {index})"
 
-        def element():
-            at = index()
-            if not 0 <= at < len(self.state[key]):
-                raise IndexError(f"{key}[{at}]")
-            return self.state[key], at
-
-        return element
-
-    def expression(self, one):
+    def value(self, one):
+        """Return an expression in Python."""
         if isinstance(one, Integer | Real):
-            number = (int if isinstance(one, Integer) else float)(str(one.value))
-            return lambda: number
+            return self.literal(one.value)
         if isinstance(one, SimpleVariable | MultiElementVariable):
-            place = self.place(one)
-
-            def read():
-                where, key = place()
-                return where[key]
-
-            return read
+            return "{}[{}]".format(*self.place(one))
         if isinstance(one, ParenthesizedExpression):
-            return self.expression(one.expr)
-        if isinstance(one, UnaryOperation | FunctionCall):
-            call = isinstance(one, FunctionCall)
-            operate = FUNCTIONS[name(one.name) if call else str(one.op)]
-            given = [part.value for part in one.parameters] if call else [one.expr]
+            return self.value(one.expr)
+        if isinstance(one, FunctionCall):
+            given = [part.value for part in one.parameters]
+            table, operation = "FUNCTIONS", name(one.name)
+        elif isinstance(one, UnaryOperation):
+            table, operation, given = "FUNCTIONS", str(one.op), [one.expr]
         elif isinstance(one, BinaryOperation):
-            operate = OPERATORS[str(one.op)]
-            given = [one.left, one.right]
+            table, operation, given = "OPERATORS", str(one.op), [one.left, one.right]
         else:
             raise NotImplementedError(str(one))
-        parts = [self.expression(part) for part in given]
+        return f"done({table}[{operation!r}], {', '.join(map(self.value, given))})"
 
-        def value():
-            numbers = [part() for part in parts]
-            result = operate(*numbers)
-            if len(set(map(type, numbers))) > 1:
-                raise TypeError(str(one))
-            if type(result) is int and not LOW <= result <= HIGH:
-                raise OverflowError(str(one))
-            return result
 
-        return value
+def store(where, key, value):
+    if type(value) is not type(where[key]):  # also refuses what isn't declared
+        raise TypeError(f"{key} := {value!r}")
+    where[key] = value
 
-    def declared(self, key):
-        if key not in self.state:
-            raise NameError(key)
-        return key
+
+def within(array, at):
+    if not 0 <= at < len(array):
+        raise IndexError(at)
+    return at
+
+
+def done(operate, *numbers):
+    result = operate(*numbers)
+    if len(set(map(type, numbers))) > 1:
+        raise TypeError(str(numbers))
+    if type(result) is int and not LOW <= result <= HIGH:
+        raise OverflowError(str(numbers))
+    return result
 
 
 def name(variable):
     return str(variable.name)
-
-
-def check_names(text):
-    """Raise where a block's names are taken, too long, alike but for capitals, or never used."""
-    declared = [name(one.variable) for part in parsed(text).declarations
-                for item in part.items for one in item.variables]  # fmt: skip
-    upper = {one.upper() for one in declared}
-    assert len(upper) == len(declared)
-    assert not upper & IEC_KEYWORDS
-    assert max(map(len, declared)) <= 24  # what a PLC tells apart
-    body = re.sub(r"\(\*.*?\*\)", "", text[text.rindex("END_VAR") :], flags=re.S)
-    used = set(re.findall(r"(?<![\w.])[A-Za-z]\w*", body))
-    assert {one for one in used if one.upper() not in IEC_KEYWORDS} == set(declared)

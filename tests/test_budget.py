@@ -1,13 +1,11 @@
 """The error budget: each fault alone against its closed form, what halves it, and their sum."""
 
 import re
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
 from tunneller_lib.job import read_job
 from tunneller_lib.job.remedies import changed, halved_by
@@ -21,7 +19,7 @@ from tunneller_lib.motion import (
     follow,
     reference_axes,
 )
-from tunneller_lib.motion.plant import LinearPlant, NoLinearForm, Plant, ValveResonance
+from tunneller_lib.motion.plant import NoLinearForm, Plant, ValveResonance
 from tunneller_lib.motion.stability import gain_limit
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
@@ -175,41 +173,11 @@ def test_pose_alone_leaves_the_normal_part_of_a_small_rigid_motion(circuit, shif
 # Plants that the library doesn't know
 
 
-@dataclass(frozen=True)
-class TwoLags(LinearPlant):
-    """K / (s (a s + 1) (b s + 1)), a plant that the library doesn't know."""
-
-    gain: float
-    a: float
-    b: float
-
-    def matrices(self):
-        a, b = self.a, self.b
-        A = np.array([[0, 1, 0], [0, -1 / a, 1 / a], [0, 0, -1 / b]])
-        return A, np.array([0, 0, self.gain / b])
-
-    def discrete(self, tick):
-        A, B = self.matrices()
-        whole = expm(tick * np.block([[A, B[:, None]], [np.zeros((1, 4))]]))
-        return whole[:3, :3], whole[:3, 3]
-
-
 class Unspoken(Plant):
     """A lag that can be run but has no linear form to show."""
 
     lag = Lag(0.5, 0.02)
     command, rest, numbers, functions = lag.command, lag.rest, lag.numbers, lag.functions
-
-
-@pytest.mark.parametrize("options", [P, FED])
-def test_a_plant_new_to_the_library_gets_the_closed_form_of_its_own_lateness(options):
-    """A ramp's answer is late by the first moment of the plant's: 30 ms here."""
-    case = Case(LAP, [TwoLags(0.5, 0.02, 0.01)] * 2, pair(**options))
-    fault = case.fault("following")
-    assert fault.closed > 2e-5
-    assert fault.measured == pytest.approx(fault.closed, rel=0.02)
-    assert 0.6 < case.fault("encoder").ratio < 1.5
-    assert case.plant[0].lateness == pytest.approx(0.03, rel=1e-12)
 
 
 def test_a_plant_without_a_linear_form_gets_no_closed_form_and_no_verdict_on_stability():
@@ -228,7 +196,6 @@ EVERY = [
     Integrator(0.5),
     Lag(0.5, 0.02),
     Resonance(0.5, 100.0, 0.15),
-    TwoLags(0.5, 0.02, 0.01),
     ValveResonance(0.6, 0.5, 90.0, 0.2, 0.01),
     *map(Rigid, AXES),
     *map(Compressible, AXES),
@@ -244,32 +211,14 @@ def test_lateness_is_the_phase_of_a_slow_swing_over_its_frequency(plant, angle):
     assert linear.lateness == pytest.approx(-np.angle(rate) / slow, rel=1e-4, abs=1e-12)
 
 
-def test_a_lap_whose_stroke_lacks_the_angle_0_has_closed_forms():
-    axis = replace(AXES[0], low=-1.0, high=-0.1)
-    with pytest.raises(ValueError, match=r"^angle: must lie within the stroke"):
-        Compressible(axis).linear(0.0)
-    off = np.linspace(-0.6, -0.2, 5)
-    passed = rounding_passed(Compressible(axis), pair()[0], np.full(5, 1e-6), off)
-    assert passed == pytest.approx(np.full(5, 1 / 12), rel=0.02)
-
-
 # The whole
 
 
 T0 = Integrator(0.5)
 REFUSED = {
     "loop: must be without integral": lambda: budget(LAP, T0, pair(integral=1.0)),
-    "loop: must be without integral, ": lambda: Case(LAP, T0, pair(integral=1.0)).fault("encoder"),
-    "loop: must be without integral, which has no": lambda: trailing(LAP, T0, pair(integral=1.0)),
-    "loop: must have the plan's tick": lambda: budget(LAP, T0, Loop(10.0, 0.01)),
-    "plant: must be two, theta's": lambda: budget(LAP, [T0] * 3, pair()),
     "plan: must not wait": lambda: budget(LATE, T0, pair()),
-    "source: must be one of those .* knots, .*counts, feed ripple; got 'pose'": lambda: Case(
-        LAP
-    ).fault("pose"),
-    "source: must be one of those .*; got 'corrected chord'": lambda: Case(LAP).fault(
-        "corrected chord"
-    ),
+    "source: must be one of those .*counts, feed ripple; got": lambda: Case(LAP).fault("pose"),
 }
 
 
@@ -358,42 +307,21 @@ def test_a_remedy_is_what_a_run_confirms_and_says_what_is_left(powers, found, ru
         assert remedy.what == found[0] and remedy[1:] == pytest.approx(found[1:], rel=1e-9)
 
 
-def with_key(text, key, factor):
-    """Return the text of a job whose key, as `cut` says it, is multiplied by a factor."""
-    table, _, name = key.partition("] ")
-    begin = text.index(f"\n{table.rstrip(']')}]")
-    end = text.find("\n\n", begin)
-    lines = text[begin:end].split("\n")
-    for i, line in enumerate(lines):
-        own, equals, value = line.partition(" = ")
-        if equals and own in ((name, f"{name}_deg") if name else ("y", "roll_deg")):
-            number = re.match(r"[-+.\de]+", value)[0]
-            lines[i] = f"{own} = {factor * float(number)!r}"
-    assert lines != text[begin:end].split("\n"), key
-    return text[:begin] + "\n".join(lines) + text[end:]
+def test_each_key_that_cut_says_does_to_the_job_what_it_says():
+    """By the job with the key changed, planned and run anew."""
+    job = read_job(REFERENCE)
+    job = replace(
+        job,
+        controller={**job.controller, "plant": "T1", "gain": 8.0, "feedforward": 0.5,
+                    "encoder": np.radians(0.02)},
+        limits={**job.limits, "feed": 0.06},
+        pose={"y": 1e-3, "roll": np.radians(0.1)},
+    )  # fmt: skip
 
+    def case(job):
+        return Case(job.planned, *job.axes, job.error, job.arm, job.pushing)
 
-ELSEWHERE = {
-    '"T3"': '"T1"', "gain = 10 ": "gain = 8 ", "feed = 0.1 ": "feed = 0.06 ",
-    "# encoder_deg = 0 ": "encoder_deg = 0.02 ", "# [pose]": "[pose]", "# y = 1e-3": "y = 1e-3",
-    "# roll_deg = 0.1": "roll_deg = 0.1", "feedforward = 1 ": "feedforward = 0.5 ",
-}  # fmt: skip
-
-
-def test_each_key_that_cut_says_does_to_the_job_what_it_says(tmp_path):
-    """By the job's text with the key changed, read, planned and run anew."""
-    text = REFERENCE.read_text()
-    for old, new in ELSEWHERE.items():
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-
-    @cache
-    def case(text):
-        (tmp_path / "job.toml").write_text(text)
-        job = read_job(tmp_path / "job.toml")
-        return job, Case(job.planned, *job.axes, job.error, job.arm, job.pushing)
-
-    job, before = case(text)
+    before = case(job)
     found = [before.fault(source) for source in before.sources]
     said = halved_by(job, found)
     assert sum(key is not None for key, _, _ in said) >= 7
@@ -402,7 +330,10 @@ def test_each_key_that_cut_says_does_to_the_job_what_it_says(tmp_path):
         if key is None:
             assert factor is left is None
             continue
-        after = case(with_key(text, key, factor))[1].fault(fault.source)
+        table, name = re.fullmatch(r"\[(\w+)\] ?(\w*)", key).groups()
+        keys = getattr(job, table)
+        scaled = {one: factor * keys[one] for one in ([name] if name else keys)}
+        after = case(replace(job, **{table: {**keys, **scaled}})).fault(fault.source)
         assert 0.4 <= left <= 0.6
         assert after.measured == pytest.approx(left * fault.measured, rel=1e-3), fault.source
 
@@ -415,11 +346,3 @@ def test_no_key_is_named_that_a_job_lacks():
     assert changed(job, "encoder", 0.5).plan["count"] == job.plan["count"] / 2
     del job.plan["step"]
     assert changed(job, "step", 0.5).plan["step"] == 2.5e-3  # half of what a plan takes unless told
-
-
-def test_no_gain_is_named_at_which_a_loop_is_unstable(tmp_path):
-    (tmp_path / "job.toml").write_text(REFERENCE.read_text().replace("gain = 10 ", "gain = 16 "))
-    job = read_job(tmp_path / "job.toml")
-    fault = Case(job.planned, *job.axes).fault("following")
-    ((key, factor, _),) = halved_by(job, [replace(fault, remedies=(("gain", 2.0),))])
-    assert key is None or 16 * factor < 24

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.controllers import WIRED, Driven, build, c99_program, closed_loop, moved, with_program
+from tests.controllers import WIRED, build, with_program
 from tunneller_lib.job import read_job
-from tunneller_lib.job.controller import FULL, _rests
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 
 READS = ["tests/references/reference_job.toml"]
@@ -81,7 +80,7 @@ def with_its_value(wanted, sentence):
 
 @pytest.mark.skipif(not COMPILER, reason="no C compiler on this machine")
 # 18 and 20: a lap whose first moves take a tick each, behind a step; a ring that nearly runs low.
-@pytest.mark.parametrize("seed", sorted({*range(many(12, 200)), 18, 20}))
+@pytest.mark.parametrize("seed", sorted({*range(many(5, 200)), 18, 20}))
 def test_any_job_runs_in_its_time_or_is_refused_with_a_value_that_does(tmp_path, seed):
     rng = np.random.default_rng(seed)
     wanted = random_job(rng)
@@ -115,40 +114,6 @@ def test_any_job_runs_in_its_time_or_is_refused_with_a_value_that_does(tmp_path,
     assert abs(scans - ticks - steps) <= 1
 
 
-def test_trip_that_is_accepted_is_not_reached_in_a_run(tmp_path):
-    """Theta's error counts by the longest arm, where phi is wide and the arm short, too."""
-    whole = read_job(REFERENCE_JOB)
-    wide = {
-        "r": 0.01, "phi_min": -1.3, "phi_max": 1.3, "theta_min": -1.3, "theta_max": 1.05,
-        "height": -0.03, "cutter_radius": 0.12,
-    }  # fmt: skip
-    wanted = replace(
-        whole,
-        machine={**whole.machine, **wide},
-        section={"shape": "circle", "radius": 0.775},
-        plan={**whole.plan, "arm_radius": 0.02},
-        controller={**whole.controller, "plant": "T1", "gain": 8.0, "feedforward": 0.0},
-    )
-    with pytest.raises(ValueError, match=r"^\[controller\] trip: ") as refused:
-        with_program(wanted)
-    wanted = with_its_value(wanted, str(refused.value))
-    made = with_program(wanted)
-    driven = Driven(c99_program(COMPILER, tmp_path, made, "-std=c99", "-O1"))
-    found = closed_loop(driven, wanted, made, len(moved(wanted.planned)[1]) + 2000)
-    assert driven.close() == 0
-    assert found[-1, 7] == 1 and found[:, 6].max() < 4  # done, never in ErrorStop
-
-
-def test_way_to_the_start_position_is_within_32_bits_however_slow_and_long():
-    whole = read_job(REFERENCE_JOB)
-    slow = replace(whole, limits={**whole.limits, "feed": 3e-3},
-                   controller={**whole.controller, "trip": 1.0})  # fmt: skip
-    text = with_program(slow).text
-    parts, ticks = (int(re.search(rf" {name} : .*:= \[?(\d+)", text)[1])
-                    for name in ("nParts", "aTicks"))  # fmt: skip
-    assert 2**28 < parts * ticks <= 2**30
-
-
 @pytest.mark.parametrize("encoder", [0.0, 2e-4])
 def test_encoder_is_exported_as_it_is_and_an_ideal_one_with_the_counts_of_the_plan(encoder):
     whole = read_job(REFERENCE_JOB)
@@ -180,41 +145,3 @@ def test_what_cannot_be_kept_is_refused_with_what_can(changes, sentence):
         with_program(wanted)
     if "would do" in str(refused.value):
         with_program(with_its_value(wanted, str(refused.value)))
-
-
-def comes_to_rest(ticks, ramps, known, row):
-    """Return whether the scale falls to rest in known ticks from a row on, one scan at a time."""
-    left, scale, gone, begun = ticks[row], FULL, 0, True
-    while True:
-        free, corner = ramps[row]
-        most = free + (corner - free) * scale // FULL if begun else free
-        if left == 1 and row + 1 < len(ticks) and gone % FULL and gone // FULL + 1 < known:
-            free_then, corner = ramps[row + 1]
-            most = min(most, free_then + (corner - free_then) * scale // FULL)
-        room = max(known * FULL - gone, 0)
-        wanted = min(FULL, int((room * (FULL / known)) ** 0.5))
-        before, scale = scale, max(min(wanted, scale + most), scale - most)
-        crossed = (gone + scale) // FULL > gone // FULL
-        gone += scale
-        if gone >= known * FULL:
-            return max(before - min(scale, room), min(scale, room)) <= free
-        left -= crossed
-        begun = left == 0
-        if scale == 0 or (begun and row + 1 == len(ticks)):
-            return True
-        if begun:
-            row += 1
-            left = ticks[row]
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_where_a_stop_is_promised_each_stop_scan_by_scan_comes_to_rest(seed):
-    rng = np.random.default_rng(seed)
-    ticks = rng.integers(1, 6, 60)
-    free = rng.integers(FULL // 30, FULL // 8, 60)
-    ramps = np.stack([free, rng.integers(0, free + 1)], axis=1)
-    each = [all(comes_to_rest(ticks.tolist(), ramps.tolist(), known, row) for row in range(60))
-            for known in range(4, 60)]  # fmt: skip
-    said = [_rests(ticks, ramps, known) for known in range(4, 60)]
-    assert not any(promised and not kept for promised, kept in zip(said, each, strict=True))
-    assert True in said and False in each and sum(each) - sum(said) < 6

@@ -4,26 +4,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
 
-from exhibits import (
-    cone_plot,
-    groove_plot,
-    machine_plot,
-    motion_plot,
-    path_plot,
-    plot,
-    response_plot,
-    rod_plot,
-)
-from kit import figure
+from exhibits import groove_plot, machine_plot, motion_plot, response_plot
+from exhibits.shaded import draw_shaded, on_paper
+from kit import COLOURS, figure
 from tunneller_lib.motion import Integrator, Loop, Resonance, follow
 from tunneller_lib.motion.tasks import HandOver, Task
-from tunneller_lib.paths import ConeChord
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 EGG = Egg(0.5)
 TORUS = REFERENCE_MACHINE.torus
-RING = Torus(3.0, 1.0)
+SQUARE = np.stack(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [0.0], indexing="ij"), axis=-1)[:, :, 0]
 
 
 @pytest.fixture
@@ -66,44 +58,7 @@ def test_side_view_has_both_limbs_and_the_tunnel_levels(ax):
     assert levels[0.0].get_linewidth() < levels[EGG.a].get_linewidth()
 
 
-def test_section_and_its_construction_lie_on_the_curve(ax):
-    plot.draw_section(ax, EGG)
-    [line] = ax.lines
-    np.testing.assert_allclose(EGG.depth(*line.get_data()), 0, atol=1e-12)
-    assert length(line) == pytest.approx(EGG.perimeter, rel=1e-4) and ax.xaxis_inverted()
-    plot.draw_construction(ax, EGG)
-    rays = [line for line in ax.lines if len(line.get_xdata()) == 3]
-    assert len(rays) == len(EGG.arcs)
-    for ray, arc in zip(rays, EGG.arcs, strict=True):
-        start, centre, stop = ray.get_xydata()
-        ends = np.hypot(*(start - centre)), np.hypot(*(stop - centre))
-        assert ends == pytest.approx([arc.radius] * 2)
-
-
 # ---- the torus and its paths ----------------------------------------------------------------
-
-
-def test_ways_begin_and_end_together_and_the_legend_has_their_excess(ax):
-    p, q = (0.0, 0.1), (0.4, -0.3)
-    path_plot.draw_ways(ax, TORUS, p, q)
-    for way in ax.lines:
-        ends = np.radians(way.get_xydata()[[0, -1]])
-        np.testing.assert_allclose(ends, [p, q], atol=1e-9)
-    geodesic, spheres, joints = (way.get_label() for way in ax.lines)
-    assert geodesic.startswith("geodesic, ") and "longer by" in spheres and "longer by" in joints
-    assert float(spheres.split()[-2]) > 0 and float(joints.split()[-2]) > 0
-
-
-def test_cone_unrolls_with_a_straight_geodesic(ax):
-    chord = ConeChord(1.0, 1.0, 0.5, 0.25)
-    share = np.array([0.0, 0.5, 1.0])
-    cone_plot.draw_development(ax, chord, share)
-    geodesic, path, points = ax.lines[-3:]
-    assert length(geodesic) == pytest.approx(chord.geodesic_length, rel=1e-12)
-    start, stop = geodesic.get_xydata()[[0, -1]]
-    assert np.hypot(*(stop - start)) == pytest.approx(chord.geodesic_length, rel=1e-12)
-    assert length(path) == pytest.approx(chord.path_length, rel=1e-4)
-    np.testing.assert_allclose(points.get_xydata(), path.get_xydata()[[0, 100, 200]], atol=1e-12)
 
 
 # ---- rods and balls -------------------------------------------------------------------------
@@ -161,9 +116,24 @@ def test_hand_over_draws_each_segment_and_only_the_waits(ax):
 # ---- lines and rods --------------------------------------------------------------------------
 
 
-def test_crossings_lie_on_the_ellipses(ax):
-    rod_plot.draw_crossings(ax, 25.0, 90.0, 0.8, 15.0)
-    _axis, *pieces, dots = ax.lines
-    np.testing.assert_allclose(dots.get_xdata(), [-16, 16, 74, 106], rtol=1e-12)
-    ends = np.array([piece.get_xdata() for piece in pieces])
-    np.testing.assert_allclose(ends, [[-16, 16], [16, 74], [74, 106]], rtol=1e-12)
+# ---- shaded sheets --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("direction", [(1, 0, 0), (0.3, -2, 5), (-1, 1, -0.1)])
+def test_paper_is_seen_from_the_eye_and_up_is_up(direction):
+    axes = on_paper(direction)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) > 0 and axes[1, 2] > 0
+    np.testing.assert_allclose(axes[2] * np.linalg.norm(direction), direction, rtol=1e-15)
+
+
+@pytest.mark.parametrize("names", [["cone", "tunnel"], ["tunnel", "cone"]])
+def test_near_sheets_are_drawn_over_far_ones(names):
+    _, ax = figure(height=5)
+    near, far = (SQUARE + np.array([0, 0, height]) for height in (0.5, -0.5))
+    draw_shaded(ax, (0, 0.1, 1), dict(zip(names, (near, far), strict=True)))
+    [faces] = ax.collections
+    under, over = faces.get_facecolors()[:, :3]
+    for colour, name in ((over, names[0]), (under, names[1])):
+        share = colour / to_rgb(COLOURS[name])
+        assert np.ptp(share) < 1e-6 and 0.55 <= share[0] <= 1

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.audit.long import many
-from tests.structured_text import FunctionBlock, check_names
+from tests.structured_text import FunctionBlock
 from tunneller_lib.motion import polyline
 from tunneller_lib.motion.export import (
     C_HEAD,
@@ -114,27 +114,6 @@ def test_line_in_c_of_a_hundred_thousand_moves_is_exact(tmp_path, compiler, part
         values = np.empty(move[2] + 1, dtype=np.int32)
         fill(values.ctypes.data_as(ctypes.c_void_p), *move)
         assert values.tolist() == in_parts(*move, parts)
-
-
-def test_names_of_the_line_are_short_and_free():
-    check_names(line_text(parts=1))
-
-
-def test_interpreter_of_structured_text_is_strict():
-    text = line_text(parts=1)
-    with pytest.raises(OverflowError):
-        FunctionBlock(text)(bLoad=True, nStart=-(2**31), nStop=2**31 - 1, nTicks=3)
-    with pytest.raises(NameError):
-        FunctionBlock(text.replace("nQuot,", ""))
-    with pytest.raises(KeyError):
-        FunctionBlock(text)(nOther=1)
-    with pytest.raises(TypeError):
-        FunctionBlock(text.replace("nComp / 2", "nComp / 2.0"))(bLoad=True, nTicks=2)
-    block = FunctionBlock(text)
-    for a, b, quotient, remainder in [(7, 2, 3, 1), (-7, 2, -3, -1), (-6, 3, -2, 0), (0, 5, 0, 0)]:
-        block(bLoad=True, nStart=0, nStop=a, nTicks=b)
-        floored = (quotient - 1, remainder + b) if remainder < 0 else (quotient, remainder)
-        assert (block.state["nQuot"], block.state["nRem"]) == floored
 
 
 # ---- the translator -------------------------------------------------------------------------
@@ -257,28 +236,6 @@ def test_statements_do_in_c_what_they_say(tmp_path, compiler, sample):
     assert list(out) == [2, 5, 1, 0, 1, 12, 3, 114]
     assert run(out, 4, 1, 2) == pytest.approx(small + 0.5)
     assert list(out) == [3, 4, 1, 0, 1, 44, 26, 129]
-
-
-def test_comments_are_kept(sample):
-    assert "    int32_t nIn; /* without a call of more */\n" in c99_types(sample)
-    assert (
-        "    /* Two lines of a comment, of which the first one ends in DO\n"
-        "       and the second one names nBy := nSum = nBy. */\n"
-    ) in c99_code(sample)
-
-
-def test_a_structure_of_values_is_constants(sample):
-    *_, job, _, outer = sample
-    assert job.rows("VAR CONSTANT") == [
-        ("nFour", "", "DINT", "4", ""),
-        ("rSmall", "", "LREAL", "5.0e-05", ""),
-        ("aTable", "2", "LREAL", "[9.0, -1.0e+300, 1.0]", ""),
-    ]
-    # Another task writes what is shared, and nobody writes the job.
-    assert "void fb_sample(FB_Sample *c, volatile T_Shared *both);" in c99_types(sample)
-    assert "T_Job" not in c99_types(sample)
-    assert "static const double aTable[3] = {9.0, -1.0e+300, 1.0};\n" in c99_code(sample)
-    assert outer.rows("VAR_INPUT")[1][2:] == ("LREAL", "-7.9", "")
 
 
 COUNTED = """FUNCTION_BLOCK F

@@ -7,10 +7,9 @@ from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, plan
 from tunneller_lib.ream.front import engaged_areas, facing_areas, front_areas, groove_areas
 from tunneller_lib.ream.wall import intact_wall
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Arc, Egg, closed_profile
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
-CIRCLE = closed_profile([Arc(0.0, 0.0, 0.55, 0.0, 2 * np.pi)])
 INVERT = float(CIRCUIT.profile.blends[2])  # where the tight bend begins
 ADVANCES = pytest.mark.parametrize("advance", [0.0, 0.04, 0.17, 0.5])
 SPACING = 1e-3  # m of points, across the way

@@ -189,8 +189,8 @@ def own_run(ground, values, slopes, states, commands, way):
 def test_cut_goes_as_an_independent_model_with_tiny_steps_says(normal):
     ground = replace(CONCRETE, normal=normal)
     made = planned(ground)
-    first, track, front = begun(made, ground, 0.13, (240, 1440))
-    start = first + int(np.searchsorted(made.reached, 0.10))
+    first, track, front = begun(made, ground, 0.13, (240, 1440), last=150)
+    start = first + int(np.searchsorted(made.reached, 0.11))
     states = [tuple(one[start]) for one in track.states]
     rates = made.slopes[start - first : len(track.command) - first]
     positions, forces = own_run(ground, track.setvalue[start:-1], rates, states,
@@ -198,7 +198,7 @@ def test_cut_goes_as_an_independent_model_with_tiny_steps_says(normal):
     ours = CIRCUIT.overbreak(track.position[start + 1 :])
     theirs = CIRCUIT.overbreak(positions)
     free = follow(OILY, LOOP, track.setvalue, slopes=np.concatenate(
-        [made.entry.slopes, made.slopes])[: len(track.command)], arm=ARM)  # fmt: skip
+        [made.entry.slopes[-first:], made.slopes])[: len(track.command)], arm=ARM)  # fmt: skip
     without = CIRCUIT.overbreak(free.position[start + 1 :])
     held_back = np.abs(ours - without)
     assert held_back[-1] > 7e-4  # m

@@ -8,14 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exhibits.interpolators import INTERPOLATORS
-from tunneller_lib.motion import (
-    polyline,
-    polyline_slopes,
-    rounding_spectrum,
-    tick_counts,
-    time_bresenham,
-)
+from tunneller_lib.motion import polyline, rounding_spectrum, tick_counts, time_bresenham
 
 LOW, HIGH = -(2**31), 2**31 - 1
 HALF = Fraction(1, 2)
@@ -67,17 +60,6 @@ def test_time_bresenham_keeps_half_a_count_and_its_ends_there_and_back(tie, star
     np.testing.assert_array_equal(time_bresenham(-start, -stop, ticks, tie=other), -line)
 
 
-def test_time_bresenham_broadcasts_and_leaves_its_arguments():
-    start, stop = np.array([[0], [5]]), np.array([10, -3, 7])
-    kept = start.copy(), stop.copy()
-    lines = time_bresenham(start, stop, 6)
-    assert lines.shape == (2, 3, 7)
-    np.testing.assert_array_equal(lines[1, 2], time_bresenham(5, 7, 6))
-    assert all(np.array_equal(a, b) for a, b in zip((start, stop), kept, strict=True))
-    small = time_bresenham(np.int8(-100), np.int8(100), np.int32(1))
-    assert small.tolist() == [-100, 100]
-
-
 @given(st.lists(st.tuples(counts, counts), min_size=2, max_size=9), st.data())
 def test_polyline_chains_without_residue(knots, data):
     ticks = data.draw(st.lists(st.integers(1, 40), min_size=len(knots) - 1,
@@ -89,16 +71,6 @@ def test_polyline_chains_without_residue(knots, data):
     expected = np.concatenate([piece[:-1] for piece in pieces] + [np.array(knots[-1:])])
     np.testing.assert_array_equal(whole, expected)
     np.testing.assert_array_equal(whole[np.cumsum([0, *ticks])], knots)
-
-
-def test_polyline_slopes_lead_from_knot_to_knot():
-    knots, ticks = np.array([[0, 5], [7, -9], [7, 0], [-30, 2]]), [3, 5, 8]
-    slopes = polyline_slopes(knots, ticks)
-    assert slopes.shape == (16, 2)
-    np.testing.assert_allclose(
-        np.cumsum(slopes, axis=0)[np.cumsum(ticks) - 1], knots[1:] - knots[0]
-    )
-    assert np.all(np.abs(np.diff(polyline(knots, ticks), axis=0) - slopes) < 1)
 
 
 @given(st.lists(st.floats(0.0051, 3.0), min_size=1, max_size=200))
@@ -118,45 +90,15 @@ def test_rounding_spectrum_is_that_of_the_line(ticks):
             np.testing.assert_allclose(rounding_spectrum(difference, ticks), found, atol=1e-13)
 
 
-# ---- the rivals -----------------------------------------------------------------------------
-
-
-def worst(name, difference, ticks):
-    exact = np.arange(ticks + 1) * (difference / ticks)
-    return np.max(np.abs(INTERPOLATORS[name](0, difference, ticks) - exact))
-
-
-def test_rivals_err_as_their_kind_does():
-    difference, ticks = 20_011, 60_000
-    assert worst("integer line", difference, ticks) <= 0.5
-    assert worst("listing", difference, ticks) < 0.5 + 1e-6
-    assert 0.9 < worst("floor of the line", difference, ticks) < 1
-    assert worst("whole slope only", difference, ticks) == difference
-    # A slope in steps of 2^-16 counts is off by up to half a step, cut off by up to a whole one.
-    assert worst("Q16.16, rounded", difference, ticks) < 0.5 + ticks / 2**17 + 1e-9
-    assert worst("Q16.16, truncated", difference, ticks) < 1 + ticks / 2**16 + 1e-9
-    for rival in ("DDA, single precision", "listing, single precision"):
-        assert worst(rival, difference, ticks) > worst(rival, difference // 60, ticks // 60)
-    assert worst("DDA, single precision", difference, ticks) > 3
-
-
 # ---- wrong input ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("call", "said"), [
     (lambda: time_bresenham(LOW, HIGH, 10), r"stop - start: must hold whole numbers from"),
-    (lambda: polyline([[LOW], [HIGH]], [5]), r"knots\[1:\] - knots\[:-1\]: must hold whole"),
     # 16 GiB were asked for without a word.
     (lambda: time_bresenham(0, 1, HIGH), r"ticks: set-values must be at most 33554432 in all; g"),
-    (lambda: time_bresenham(0, np.zeros(1000, int), 10**5), r"ticks: .* 33554432 in all; got 10"),
-    (lambda: polyline(np.zeros((3, 2000), int), [10_000, 10_000]), r"ticks: .* 33554432 in all"),
-    (lambda: polyline_slopes([[0], [1]], [HIGH]), r"ticks: set-values must be at most 33554432 in"),
-    (lambda: polyline([[0], [1]], [1, 2]), r"knots: .* segments; got \(2, 1\) for \(2,\)\.$"),
-    (lambda: polyline([[0]], np.array([], int)), r"knots: must be an array"),
     (lambda: polyline([[0], [1]], [2**15], parts=2**16), r"ticks: must be at most 16384 with 655"),
-    (lambda: tick_counts([1.0], 0.005), r"times: must be at least two; got 1\.$"),
     (lambda: tick_counts([0, 0.01, 0.011], 0.005), r"times: each segment must take at least one t"),
-    (lambda: tick_counts([0, 1e9], 1e-3), r"times: must be at most 2\^31 - 1 ticks"),
     (lambda: rounding_spectrum(8, 12), r"difference: must have no common factor with 12 ticks; go"),
 ])  # fmt: skip
 def test_moves_refuse_what_does_not_fit_an_array_or_a_controller(call, said):

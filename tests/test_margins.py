@@ -107,10 +107,6 @@ def test_nothing_is_in_step_where_nothing_pushes_in_turn():
         assert replace(job, ground=ground).in_step == []
 
 
-def test_many_picks_are_a_damper_that_nothing_swings_up_in():
-    assert chatter_limit(PLANTS[0], LOOP, ANGLE, 0.88, 1e4) == (np.inf, 0.0)
-
-
 @pytest.mark.parametrize("joint", [0, 1])
 def test_a_held_command_is_late_by_half_a_tick_beside_its_delay(joint):
     """One and a half ticks of 2 ms are half a tick of 6 ms, and no other sum of ticks is."""

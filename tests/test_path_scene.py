@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from exhibits.path_scene import projected_chord, projected_chord_picture, three_ways_in_space
-from exhibits.torus_scene import entire_torus_picture, grid_picture
+from exhibits.path_scene import projected_chord, three_ways_in_space
+from exhibits.torus_scene import entire_torus_picture
 from kit import scene
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -12,11 +12,6 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 TORUS = REFERENCE_MACHINE.torus
 LOW, HIGH = np.radians([(-60, -40), (35, 40)])
 P, Q = np.radians([(-45, -35), (30, 35)])
-
-
-def test_three_ways_are_seen():
-    picture = three_ways_in_space(TORUS, LOW, HIGH, exaggeration=12)
-    assert all(share(picture, colour) > 1e-3 for colour in ("geodesic", "tangent sphere"))
 
 
 def test_projected_way_is_drawn_farther_aside_if_exaggerated():
@@ -34,47 +29,34 @@ def test_scene_of_a_chord_has_a_dot_and_a_normal_for_each_point(geodesic):
     assert (share(picture, "geodesic") > 1e-4) == geodesic
 
 
-def test_picture_of_a_chord_is_that_scene():
-    picture = projected_chord_picture(TORUS, P, Q, low=LOW, high=HIGH, steps=10)
-    assert share(picture, "tangent sphere") > 1e-3 and picture.shape[2] == 3
+@pytest.fixture(scope="module")
+def entire():
+    """Return a torus, its picture, the letters in it, and the points of its sheets."""
+    letters, sheets, shoot, surface = [], [], scene.shoot, scene.surface
+
+    def shot(plotter, **view):
+        letters.append(view["letters"])
+        return shoot(plotter, **view)
+
+    torus = Torus(0.1, 0.8)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scene, "shoot", shot)
+        patch.setattr(scene, "surface", lambda points: sheets.append(points) or surface(points))
+        return torus, entire_torus_picture(torus), letters, sheets
 
 
-def test_grid_has_a_line_for_each_angle():
-    phi = np.radians(np.linspace(-40, 40, 5))
-    few, many = (grid_picture(TORUS, np.linspace(-1, 0.6, n), phi) for n in (3, 40))
-    dark = [np.mean(np.all(picture < 90, axis=-1)) for picture in (few, many)]
-    assert dark[1] > 2 * dark[0]
-
-
-def test_entire_torus_shows_its_inner_sheet_on_the_right_only():
-    picture = entire_torus_picture(Torus(0.1, 0.8))
+def test_entire_torus_shows_its_inner_sheet_on_the_right_only(entire):
+    picture = entire[1]
     middle = picture.shape[1] // 2
     halves = [share(half, "inner sheet") for half in (picture[:, :middle], picture[:, middle:])]
     assert halves[0] < 1e-3 < 0.01 < halves[1]
 
 
-def test_axis_is_named_at_the_end_of_the_node(monkeypatch):
-    letters, shoot = [], scene.shoot
-
-    def noted(plotter, **view):
-        letters.append(view["letters"])
-        return shoot(plotter, **view)
-
-    monkeypatch.setattr(scene, "shoot", noted)
-    entire_torus_picture(Torus(0.1, 0.8))
-    node, axis = (letters[0][name][0] for name in ("node", "axis"))
+def test_axis_is_named_at_the_end_of_the_node(entire):
+    node, axis = (entire[2][0][name][0] for name in ("node", "axis"))
     assert axis @ node > node @ node
 
 
-def test_inner_sheet_is_drawn_within_the_tube_alone(monkeypatch):
-    sheets, surface = [], scene.surface
-
-    def noted(points):
-        sheets.append(points)
-        return surface(points)
-
-    monkeypatch.setattr(scene, "surface", noted)
-    torus = Torus(0.1, 0.8)
-    entire_torus_picture(torus)
-    _whole, _outer, inner = sheets
+def test_inner_sheet_is_drawn_within_the_tube_alone(entire):
+    torus, _, _, (_whole, _outer, inner) = entire
     assert np.hypot(inner[..., 0], inner[..., 2]).max() <= (torus.R - torus.r) * (1 + 1e-12)

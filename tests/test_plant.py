@@ -9,11 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 from scipy.integrate import solve_ivp
-from scipy.optimize import least_squares
 
-from tests.shapes import log_uniform
 from tunneller_lib.motion import Compressible, Integrator, Lag, Resonance, Rigid, reference_axes
-from tunneller_lib.motion.oil import LAMINAR, compressible_slopes, flows, land, resistance
+from tunneller_lib.motion.oil import compressible_slopes, flows, land, resistance
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
@@ -85,28 +83,12 @@ def test_discrete_of_a_resonance_keeps_its_digits_at_any_gain(gain, tick):
             assert np.abs(found - wanted).max() <= 3e-15 * np.abs(wanted).max()
 
 
-@given(log_uniform(1e-6, 1e3), log_uniform(1e-6, 1e3))
-def test_lag_discrete_keeps_its_digits(lag, tick):
-    Ad, Bd = Lag(1.0, lag).discrete(tick)
-    with mp.workdps(50):
-        a = mp.exp(-mp.mpf(tick) / lag)
-        exact = [[1, lag * (1 - a)], [0, a]], [tick - lag * (1 - a), 1 - a]
-        for found, wanted in [(Ad[0, 1], exact[0][0][1]), *zip(Bd, exact[1], strict=True)]:
-            assert abs(found - wanted) <= 4e-15 * abs(wanted)
-
-
 @pytest.mark.parametrize("plant", LINEAR, ids=repr)
 def test_response_and_command_agree_with_the_gain(plant):
     slow = 1e-5
     assert abs(1j * slow * plant.response(slow) - plant.gain) < 1e-4 * plant.gain
     steady = run(plant, 0.05, [plant.command(0.2)] * 200, plant.rest(0.0))[:, 0]
     assert np.isclose(steady[-1] - steady[-2], 0.2 * 0.05, rtol=1e-9)
-    # At a high frequency the matrices' own rates: s (s I - A)^-1 B = B + A (s I - A)^-1 B.
-    A, B = plant.matrices()
-    fast = 1e5j
-    state = np.linalg.inv(fast * np.eye(len(B)) - A) @ B
-    found = plant.response([[1.0, fast.imag]])
-    assert found.shape == (1, 2) and found[0, 1] == pytest.approx(state[0], rel=1e-12)
 
 
 # ---- linkage --------------------------------------------------------------------------------
@@ -118,18 +100,6 @@ def angles(lever):
     low, high = (low, high) if lever.sense > 0 else (-high, -low)
     return np.linspace(max(low, -high), min(high, -low), 41) if lever.pair else (
         np.linspace(low, high, 41))  # fmt: skip
-
-
-@every_lever
-def test_linkage_obeys_the_law_of_cosines(lever):
-    q = angles(lever)
-    for angle, length in zip(q, lever.length(q), strict=True):
-        with mp.workdps(40):
-            gamma = mp.mpf(lever.mounting) + lever.sense * mp.mpf(angle)
-            exact = mp.sqrt(mp.mpf(lever.a) ** 2 + mp.mpf(lever.b) ** 2
-                            - 2 * mp.mpf(lever.a) * lever.b * mp.cos(gamma))  # fmt: skip
-            assert abs(length - exact) <= 1e-15 * (lever.a + lever.b)
-        assert lever.length(float(angle)) == pytest.approx(length, rel=1e-15)
 
 
 @every_lever
@@ -150,8 +120,6 @@ def test_linkage_refuses_an_unreachable_stroke():
         ValueError, match=r"^stroke: between the limits gamma must .*; got 40.62 to 189.6 deg\.$"
     ):
         lift.check(-2.0, 0.6)
-    with pytest.raises(ValueError, match=r"^stroke: .* gamma"):
-        reference_axes(replace(REFERENCE_MACHINE, theta_max=np.radians(80)))
     with pytest.raises(ValueError, match=r"^low: a pair needs limits as far to either side"):
         reference_axes(replace(REFERENCE_MACHINE, phi_max=np.radians(30)))
 
@@ -245,24 +213,6 @@ def test_leaks_run_from_the_higher_pressure_to_the_lower():
 
 
 @every_axis
-@pytest.mark.parametrize("spool", [1.0, 0.1, 1e-3, -1e-3, -0.1, -1.0])
-def test_compressible_steady_rate_is_rigid_within_its_bound(axis, spool):
-    for angle in (-0.5, 0.1, 0.55):
-        rate = float(axis.rate(angle, spool))
-        guess = [rate, 0.5 * axis.supply, 0.5 * axis.supply]
-        found = least_squares(
-            lambda y, angle=angle: changes(axis, (angle, *y, spool), spool)[1:4], guess,
-            x_scale=[abs(rate), 1e5, 1e5], xtol=1e-15, ftol=1e-15, gtol=1e-15)  # fmt: skip
-        if spool > 0:
-            lost = [axis.supply - found.x[1], found.x[2] - axis.tank]
-        else:
-            lost = [found.x[1] - axis.tank, axis.supply - found.x[2]]
-        bound = (LAMINAR / min(lost)) ** 2 / 4
-        assert bound < 1e-3
-        assert abs(found.x[0] / rate - 1) <= bound * (1 + 1e-3) + 1e-9
-
-
-@every_axis
 def test_compressible_follows_a_stiff_solver(axis):
     plant, tick = Compressible(axis), 0.005
     commands = 0.3 * np.sin(np.arange(60) / 7)
@@ -327,14 +277,9 @@ def test_angles_outside_the_stroke_are_refused(axis):
     # Volumes were negative there, and frequencies complex.
     for angle in (1.5, axis.low - 1e-9, axis.high + 1e-9):
         for call in (axis.natural_frequency, axis.swing, axis.sides, lambda q: axis.rate(q, 1.0),
-                     lambda q: axis.loaded(q, 0.1, 1.0, 1.0), Compressible(axis).linear,
-                     lambda q: axis.linkage.volumes(q, axis.low, axis.high),
-                     lambda q: axis.command(0.1, q), Rigid(axis).rest,
-                     Compressible(axis).rest):  # fmt: skip
+                     Compressible(axis).linear, Rigid(axis).rest):  # fmt: skip
             with pytest.raises(ValueError, match=r"^(angle|position): must lie within the stroke"):
                 call(angle)
-    with pytest.raises(ValueError, match=r"^spool: must be from -1 to 1; got 1.1"):
-        axis.rate(0.0, [0.5, -1.1])
 
 
 def test_axes_have_their_rated_flow_at_35_bar_and_their_damping_nearest_to_angle_0():
@@ -349,5 +294,3 @@ def test_hydraulics_refuse_sizes_that_do_not_fit_each_other():
     for change in ({"gravity": 1e5}, {"gravity": -1e5}):
         with pytest.raises(ValueError, match=r"^supply: must move the weight both ways"):
             replace(THETA, **change)
-    with pytest.raises(ValueError, match=r"^stroke: "):
-        replace(THETA, high=2.0)

@@ -5,7 +5,6 @@ has no variables or no body. `make plc` tries both; here is what they need.
 """
 
 import re
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as Xml
@@ -15,7 +14,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from tests.controllers import random_jobs, with_program
+from tests.controllers import with_program
 from tests.structured_text import IEC_KEYWORDS
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import plcopen_xml
@@ -31,7 +30,7 @@ SECTIONS = {
     "VAR_INPUT": "inputVars", "VAR_OUTPUT": "outputVars", "VAR_EXTERNAL": "externalVars",
     "VAR": "localVars", "VAR CONSTANT": "localVars", "VAR_GLOBAL": "globalVars",
 }  # fmt: skip
-JOBS = ("the reference job", "oil, corrected chords, two laps", "a random job")
+JOBS = ("the reference job", "oil, corrected chords, two laps")
 
 
 @pytest.fixture(scope="module", params=JOBS)
@@ -41,10 +40,7 @@ def texts(request):
     if request.param == JOBS[1]:
         plan = {**whole.plan, "path": "corrected chord", "laps": 2}
         whole = replace(whole, controller={**whole.controller, "plant": "T3"}, plan=plan)
-    for wanted in random_jobs(21) if request.param == JOBS[2] else [whole]:
-        with suppress(ValueError):
-            made = with_program(wanted)
-            break
+    made = with_program(whole)
     include = '{#include "blocks.st"}\n'
     assert made.text.count(include) == 1
     return Xml.fromstring(plcopen_xml(made)), made.text.replace(include, made.blocks)
@@ -127,19 +123,6 @@ def test_every_unit_has_variables_and_a_body_and_they_come_in_the_schemes_order(
     assert [local(one) for one in configuration] == ["resource", "globalVars"]
 
 
-def test_types_are_elementary_or_declared_before(texts):
-    root, _ = texts
-    known = {"BOOL", "DINT", "LREAL"}
-    for unit in (*root.iter(f"{PLC}dataType"), *root.iter(f"{PLC}pou")):
-        kinds = {kind_of(one) for one in unit.iter(f"{PLC}type")}
-        assert {re.sub(r"^ARRAY \[0\.\.\d+\] OF ", "", kind) for kind in kinds} <= known
-        known.add(unit.get("name"))
-    # Instances are derived types, not elements of a name that no scheme has.
-    assert {one.get("name") for one in root.iter(f"{PLC}derived")} == {
-        "FB_Line", "FB_Loop", "FB_Setpoints", "FB_Tunneller", "T_Setpoint", "T_Ring", "T_Job"
-    }  # fmt: skip
-
-
 def test_xml_has_the_texts_and_variables_of_the_structured_text(texts):
     root, text = texts
     for structure in root.iter(f"{PLC}dataType"):
@@ -166,17 +149,6 @@ def test_xml_has_the_texts_and_variables_of_the_structured_text(texts):
         assert f"TASK {name}(INTERVAL := {interval}, PRIORITY := {priority});" in configuration
         instance, kind = one[0].get("name"), one[0].get("typeName")
         assert f"PROGRAM {instance} WITH {name} : {kind};" in configuration
-
-
-def test_external_variables_are_the_globals_one_a_line(texts):
-    # The grammar has a list of names for VAR and VAR_GLOBAL, and one name for VAR_EXTERNAL.
-    _, text = texts
-    shared = {row[1:] for row in declared(text[text.index("\nCONFIGURATION ") :])}
-    rows = re.findall(r"^VAR_EXTERNAL\n(.*?)END_VAR$", text, re.M | re.S)
-    assert len(rows) == 3
-    for line in "".join(rows).splitlines():
-        name, kind = re.fullmatch(r" {4}(\w+) : (\w+);(?: \(\*.*\*\))?", line).groups()
-        assert (name, kind, "") in shared
 
 
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=40))
@@ -217,24 +189,6 @@ def test_intervals_are_the_ticks_even_where_they_are_read_in_single_precision(ti
     for read in (np.float32, np.float64):
         assert [int(float(read(text)) * 1e6) for text in texts] == wanted
     assert [round(1e6 * float(text)) for text in texts] == wanted
-
-
-def test_branches_and_loops_are_closed_by_their_own_ends(texts):
-    for name, _, body in units(texts[1]):
-        statements, open_ = without_comments(body), []
-        for end, word in re.findall(r"\b(END_)?(IF|WHILE|FOR)\b", statements):
-            assert open_.pop() == word if end else not open_.append(word), name
-        assert not open_
-        heads = len(re.findall(r"\b(?:ELS)?IF\b", statements))
-        assert len(re.findall(r"\bTHEN$", statements, re.M)) == heads
-        assert "FOR " not in statements  # one compiler runs no call of it if its bounds are equal
-
-
-def test_blocks_that_an_engineer_reads_take_four_pages(texts):
-    """A4 with margins of 15 and 10 mm has 72 lines of 100 columns of 9 pt."""
-    _, text = texts
-    lines = text[text.index("(* A straight move") : text.index("PROGRAM PRG_Slow")].splitlines()
-    assert 200 < len(lines) < 4 * 72 and max(map(len, lines)) <= 100
 
 
 def test_names_are_short_free_and_unique_within_a_block_whatever_their_case(texts):

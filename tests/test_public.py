@@ -71,25 +71,3 @@ def test_every_public_name_has_a_user_or_is_a_kind_of_argument(room, kept):
         if (room, name) not in used and not kinds & {name, *(one.__name__ for one in derived)}:
             unused.append(name)
     assert not unused
-
-
-@pytest.mark.parametrize("room", ROOMS)
-def test_listed_names_are_there_once(room):
-    package = importlib.import_module(f"tunneller_lib.{room}")
-    modules = {path.stem for path in (LIBRARY / room).glob("*.py")}
-    names = package.__all__
-    assert len(set(names)) == len(names)
-    assert all(hasattr(package, name) or name in modules for name in names)
-
-
-def test_users_are_found_in_all_their_ways():
-    text = (
-        "from tunneller_lib.motion import follow\nfrom tunneller_lib.paths.bounds import shortest"
-    )
-    assert set(imported(text, "")) == {
-        ("motion", "follow"),
-        ("paths", "bounds"),
-        ("paths", "shortest"),
-    }
-    assert set(imported("from .job import read_job", "tunneller_lib")) == {("job", "read_job")}
-    assert not set(imported("from numpy.linalg import norm\nfrom .sources import ROOT", "report"))

@@ -1,15 +1,14 @@
 """The atlas and its sweep: the same bits on any number of cores, and after an interrupt."""
 
-import csv
 import re
 
 import numpy as np
 import pytest
 
-from exhibits import atlas, sweep
+from exhibits import atlas
 from exhibits.sweep import compute_blocks
 from tests.blocks import EVERY_PAIR, fails_late, small, survey
-from tunneller_lib.paths import CHORD_PATHS, geodesic_inverse
+from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 FEW = [(0, 8), (12, 3)]
@@ -67,16 +66,3 @@ def test_sweep_keeps_the_blocks_that_were_finished(tmp_path):
     with pytest.raises(ArithmeticError):
         compute_blocks(fails_late, [(0, k) for k in range(4)], tmp_path, jobs=1)
     assert sorted(file.name for file in tmp_path.rglob("*.*")) == ["0-0.npy", "0-1.npy", "0-2.npy"]
-
-
-def test_atlas_is_written_as_a_summary(tmp_path, monkeypatch):
-    monkeypatch.setattr(atlas, "blocks", lambda: FEW[1:])
-    monkeypatch.setattr(atlas, "survey", survey)
-    table = tmp_path / "atlas.csv"
-    sweep.write_atlas(tmp_path / "blocks", table, jobs=1)
-    with table.open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == len(CHORD_PATHS) and rows[0]["path"] == "projected chord"
-    kept = np.load(next(tmp_path.rglob("12-3.npy")))
-    assert float(rows[0]["worst excess"]) == pytest.approx(kept[:, 7].max(), rel=1e-8)
-    assert not list(tmp_path.glob("*.part"))

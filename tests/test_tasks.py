@@ -3,7 +3,6 @@
 import math
 from itertools import pairwise
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -103,13 +102,7 @@ def test_tasks_refuse_what_cannot_be():
     full = [Task("a", 10, 10)]
     coprime = [Task("a", 9973, 1), Task("b", 9967, 1), Task("c", 9949, 1)]
     for call, said in [
-        (lambda: background_response(full, 1), r"tasks: must keep their periods and leave time"),
         (lambda: hand_over(full, [1], [1]), r"tasks: must keep their periods and leave time"),
-        (lambda: hand_over(FAST, [1, 2], [1]), r"ticks: needs one entry for each cost"),
-        (
-            lambda: buffer_depth(FAST, np.array([], int), np.array([], int)),
-            r"costs: must be a list",
-        ),
         (lambda: schedule(FAST, 2**40), r"horizon: must come after at most 200000 releases"),
         (lambda: hand_over(coprime, [1], [1]), r"tasks: their pattern must repeat after at most"),
     ]:

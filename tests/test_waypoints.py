@@ -9,9 +9,8 @@ import ctypes
 import numpy as np
 import pytest
 
-from tests.references.controller_cycles import waypoints_c99, waypoints_text
-from tests.references.waypoint_operations import COLUMNS, TABLE, rows
-from tests.structured_text import FunctionBlock, check_names
+from tests.references.controller_cycles import waypoints_c99
+from tests.references.waypoint_operations import COLUMNS, TABLE, rows, waypoints
 from tests.test_export import built, compilers
 from tunneller_lib.paths import corrected_chord
 from tunneller_lib.surfaces import REFERENCE_MACHINE
@@ -55,7 +54,7 @@ def pairs(n):
 
 def in_structured_text(points, p, q):
     """Return waypoints (n, points, 2) of pairs."""
-    block = FunctionBlock(waypoints_text(points))
+    block = waypoints(points)
     found = []
     for (thetaP, phiP), (thetaQ, phiQ) in zip(p.tolist(), q.tolist(), strict=True):
         block(ring=MACHINE.r, tube=MACHINE.R, thetaP=thetaP, phiP=phiP, thetaQ=thetaQ, phiQ=phiQ)
@@ -95,7 +94,3 @@ def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
     with TABLE.open(newline="") as file:
         assert list(csv.reader(file)) == [COLUMNS, *(list(map(str, row)) for row in counted)]
     assert counted[-1] == [32, 1514, 103, 144] and sum(counted[-1][1:]) <= 6 * CHORD
-
-
-def test_names_are_short_and_free():
-    check_names(waypoints_text(9))

@@ -34,11 +34,12 @@ from tests.controllers import (
     closed_loop,
     main_program,
     moved,
-    random_jobs,
     with_program,
 )
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import plcopen_xml
+from tunneller_lib.job.reader import Job
+from tunneller_lib.motion.stability import gain_limit
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = ROOT / "tests" / "audit" / "plc.md"
@@ -102,6 +103,53 @@ def jobs():
     for number, wanted in enumerate(islice(kept(random_jobs(11)), RANDOM), start=1):
         about = f"{wanted.section['shape']}, {wanted.plan['path']}, {wanted.controller['plant']}"
         yield f"random job {number}: {about}", wanted
+
+
+def random_jobs(seed):
+    """Yield random jobs that the planner accepts, without end: machines, sections, feeds, loops."""
+    rng = np.random.default_rng(seed)
+    while True:
+        wanted = _random_job(rng)
+        with suppress(ValueError):
+            axes, loops = wanted.axes
+            turns = wanted.planned.setvalues
+            angles = np.linspace(turns.min(axis=0), turns.max(axis=0), 5).T
+            limit = min(map(gain_limit, axes, loops, angles))
+            gain = min(limit * rng.uniform(0.2, 0.7), 30.0)
+            yield replace(wanted, controller={**wanted.controller, "gain": gain})
+
+
+def _random_job(rng):
+    """Return a random job, which may be refused."""
+    R = rng.uniform(0.6, 1.1)
+    shape = rng.choice(["egg", "circle"])
+    size = R * rng.uniform(0.5, 0.75)
+    low, high, swing = np.radians(rng.uniform([-60, 30, 35], [-50, 35, 40]))
+    tick = float(rng.choice([2e-3, 5e-3, 10e-3]))
+    feed = rng.uniform(0.03, 0.25)
+    return Job(
+        hydraulics={},
+        ground={},
+        body={},
+        machine={
+            "r": R * rng.uniform(0.02, 0.25), "R": R, "theta_min": low, "theta_max": high,
+            "phi_min": -swing, "phi_max": swing, "cutter_radius": R * rng.uniform(0.15, 0.3),
+            "depth": rng.uniform(0.005, 0.03), "height": -R * rng.uniform(0.2, 0.6),
+        },
+        section={"shape": str(shape), {"egg": "a", "circle": "radius"}[str(shape)]: size},
+        limits={"feed": feed, "acceleration": rng.uniform(0.2, 1.5)},
+        plan={
+            "tolerance": rng.uniform(5e-4, 3e-3), "step": max(5e-3, 1.5 * feed * tick),
+            "tick": tick, "count": 2 * np.pi / 2 ** int(rng.integers(15, 20)),
+            "rest": rng.uniform(0, 1), "laps": int(rng.integers(1, 3)), "advance": 0.03,
+            "path": str(rng.choice(["projected chord", "corrected chord"])),
+        },
+        controller={
+            "plant": str(rng.choice(["T0", "T1", "T2", "T3"])), "gain": 1.0,
+            "feedforward": float(rng.choice([0, 0.5, 1])), "delay": int(rng.integers(0, 3)),
+        },
+        stance={}, pose={}, wall={"along": 60, "around": 120},
+    )  # fmt: skip
 
 
 def kept(found):

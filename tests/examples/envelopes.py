@@ -55,7 +55,6 @@ CALLS = {
     "fit_surface": MEASURED,
     "frames_along": {"surface": graph},
     "hyperosculating_cones": {"surface": cyclide, "half_angle": 0.5},
-    "isotropic.plane_azimuth": {"n": (0.0, 0.6, 0.8)},
     "isotropic.surface_points": {"f": cyclide},
     "model_jet": {"surface": graph},
     "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},

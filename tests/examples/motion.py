@@ -46,7 +46,6 @@ INSTANCES = {
 }
 
 SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
-LINEAR = {"plant": INSTANCES[Resonance]}
 
 CALLS = {
     "Arm": {"r": 0.08, "R": 0.80, "head": 30.0, "beam": 60.0},
@@ -54,20 +53,12 @@ CALLS = {
     "sizing.Sizes": {name: getattr(SIZES, name) for name in SIZES.__dataclass_fields__},
     "Track.between": {"first": 1, "last": 3},
     "Hydraulics": {name: getattr(THETA, name) for name in THETA.__dataclass_fields__},
-    "Hydraulics.natural_frequency": {"angle": 0.1},
-    "Hydraulics.sides": {"angle": 0.1},
-    "Hydraulics.swing": {"angle": 0.1},
     "follow": {"plant": INSTANCES[Rigid], "loop": INSTANCES[Loop], "setvalues": RAMP},
     "polyline": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
     "polyline_slopes": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
-    "rounding_spectrum": {"difference": 5, "ticks": 12},
-    "stability.continuous_limit": LINEAR,
-    "stability.eigenvalue_limit": LINEAR,
     "stability.gain_limit": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
     "stability.stable_gains": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
     "stability.is_stable": {"plant": INSTANCES[Compressible], "angles": (0.0, 0.1)},
-    "stability.ripple": LINEAR,
-    "tasks.Task": {"name": "line"},
     "tasks.background_response": {"tasks": TASKS, "cost": 10_000},
     "tasks.buffer_depth": SEGMENTS,
     "tasks.hand_over": SEGMENTS,

@@ -66,10 +66,8 @@ CALLS = {
     "wall.lap_volume": {"advance": 0.05},
     "wall.overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at
     "plan": COARSE,
-    "wall.scallop_height": {"radius": 0.2, "pitch": 0.1},
     "simulate": AXIS | {"shape": (6, 12)},
     "gain_margins": OILY,
-    "wall.standing": {"wall": CUT.wall},
     "starved": TASKS,
     "trailing": AXIS,
     "used": {"plant": AXIS["plant"], "cut": simulate(PLAN, **AXIS, shape=(6, 12))},

@@ -14,11 +14,9 @@ CALLS = {
     "Ground": {"energy": 20e6, "pick_speed": 2.0, "ripple": 0.3, "ripple_frequency": 12.0},
     "DexelGrid": {"high": 0.9},
     "DexelGrid.cartesian": {"low": (0, 0, 0), "high": (1.0, 2.0, 3.0), "shape": (4, 6)},
-    "DexelGrid.cut": {"solid": Rod((0.5, 0, 0.6), (0.6, 0, 0.5), 0.1)},
     "DexelGrid.front": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},
     "DexelGrid.cut_path": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},
     "DexelGrid.radial": {"start": 0, "stop": 1, "inner": 0.5, "outer": 0.8, "shape": (4, 6)},
-    "volume.advance_for_volume": {"radius": 0.5, "volume": 0.1, "depth": 0.3},
     "arm_clearance.circuit_clearance": {"lowest": -0.3, "highest": 0.4, "arm_radius": 0.1},
     "arm_clearance.solid_clearance": {
         "solid": Rod((0.5, 0, 0.1), (0.6, 0, 0), 0.1),

@@ -41,21 +41,16 @@ INSTANCES = {
 }
 
 CALLS = {
-    "Arc.depth": {"slack": 0.0},
     "Body": {"low": -0.2, "high": 0.1},
     "Box": _EDGES,
     "Egg.offset": {"d": 0.2},
-    "Frustum": {"b": (1.0, 2.0, 3.0)},
     "Linkage": {"sense": 1, "bore": 0.06, "rod": 0.03, "dead_length": 0.2, "a": 0.45, "b": 0.11},
     "Linkage.check": {"low": -0.3, "high": 0.3},
     "Linkage.volumes": {"angle": 0.1, "low": -0.3, "high": 0.3},
     "Machine": {name: getattr(REFERENCE_MACHINE, name)
                 for name in REFERENCE_MACHINE.__dataclass_fields__},
-    "Rod": {"b": (1.0, 2.0, 3.0)},
-    "Profile.offset": {"d": 0.1},
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},
     "meet_box": {"rod": _ROD, "low": (0.1, 0.1), "high": (0.3, 0.4)},
-    "meet_rods": {"b": (1.0, 2.0, 3.0)},
 }  # fmt: skip

@@ -9,7 +9,6 @@ function costs is taken off.
 """
 
 import csv
-import ctypes
 import json
 import re
 import subprocess
@@ -52,11 +51,10 @@ PARTS = {
     9: "a setpoint, {}", 10: "a scan of the fast task",
     11: f"{POINTS} waypoints, corrected chord",
 }  # fmt: skip
-WAYS = {  # and their functions
-    "projected chord": "chord", "corrected chord": "waypoints",
-    "geodesic by shooting": "geodesic", "geodesic by Newton's method": "geodesic_relaxed",
-    "geodesic as in a textbook": "geodesic_textbook",
-}  # fmt: skip
+WAYS = (
+    "projected chord", "corrected chord", "geodesic by shooting", "geodesic by Newton's method",
+    "geodesic as in a textbook",
+)  # fmt: skip
 for k, (where, way) in enumerate(product(("of the lap", "corner to corner"), WAYS)):
     PARTS[12 + k] = f"{POINTS} waypoints {where}, {way}"
 # The block as a function, beside which its state is kept.
@@ -293,32 +291,6 @@ def check_said_ways(processor, said):
         check_ways(processor, ends, found[:, at], rows[:, at, 0], most)
 
 
-def check_ways_on_host():
-    """Check the ways in double and in single precision, at random within the joint limits, too."""
-    machine = REFERENCE_MACHINE
-    low, high = (machine.theta_min, machine.phi_min), (machine.theta_max, machine.phi_max)
-    at_random = np.random.default_rng(2026).uniform(low, high, (3000, 2, 2))
-    for real, name in ((ctypes.c_double, "double"), (ctypes.c_float, "float")):
-        with tempfile.TemporaryDirectory() as folder:
-            texts = ["#include <tgmath.h>", f"#define double {name}", ways_c99()]
-            (Path(folder) / "ways.c").write_text("\n".join(texts))
-            single = ["-fsingle-precision-constant"] if name == "float" else []
-            built(["gcc", "-O2", "-std=gnu99", "-ffp-contract=off", "-shared", "-fPIC", *single,
-                   "ways.c", "-o", "ways.so", "-lm"], folder)  # fmt: skip
-            library = ctypes.CDLL(f"{folder}/ways.so")
-        for ends, most in ((lap(), 1), (corners(), 2), (at_random, 2)):
-            found = np.empty((len(WAYS), len(ends), POINTS, 2))
-            tries = np.ones((len(WAYS), len(ends)), int)
-            for (k, call), (i, pair) in product(enumerate(WAYS.values()), enumerate(ends)):
-                theta, phi = (real * POINTS)(), (real * POINTS)()
-                sizes = [] if call == "waypoints" else [POINTS]
-                given = [real(v) for v in (machine.r, machine.R, *pair.ravel())]
-                answer = library[call](*given, *sizes, theta, phi)
-                tries[k, i] = answer if call.startswith("geodesic") else 1
-                found[k, i] = np.transpose([theta, phi])
-            check_ways(f"host, {name}", ends, found, tries, most)
-
-
 def measured(processor, run, unit):
     """Yield the rows of a processor."""
     with tempfile.TemporaryDirectory() as folder:
@@ -344,7 +316,6 @@ def rows():
 
 
 if __name__ == "__main__":
-    check_ways_on_host()
     every = list(rows())
     with TABLE.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

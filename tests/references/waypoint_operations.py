@@ -32,6 +32,11 @@ def counting(kind, operate, done):
     return counted
 
 
+def waypoints(points):
+    """Return the block of so many waypoints; its text is parsed once, for a thousand."""
+    return structured_text.FunctionBlock(waypoints_text(1000), {"999": str(points - 1)})
+
+
 def rows():
     """Yield the rows of the table, a segment of so many points each."""
     for points in (3, 9, 32):
@@ -44,7 +49,7 @@ def rows():
                         table, {key: counting(KINDS[key], table[key], done) for key in known}
                     )
                 )
-            structured_text.FunctionBlock(waypoints_text(points))(**ENDS)
+            waypoints(points)(**ENDS)
         yield [points, *map(done.count, COLUMNS[1:])]
 
 
