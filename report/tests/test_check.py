@@ -54,7 +54,10 @@ def test_notebook_and_its_data_reach_it(reached):
 
 @pytest.mark.parametrize(
     ("kind", "names"),
-    [("markdown", ["contents", "site", "chord_paths", "layout"]), ("code", ["live_programs"])],
+    [
+        ("markdown", ["contents", "dist", "site", "chord_paths", "layout"]),
+        ("code", ["live_programs"]),
+    ],
 )
 def test_notebook_is_run_where_its_code_changed_and_not_for_a_word_of_its_text(
     reached, kind, names

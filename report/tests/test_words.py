@@ -62,8 +62,6 @@ def test_words_without_a_record_are_noticed():
 def test_section_of_rods_says_how_many_lines_its_tests_try():
     said = worded(TEXTS["rods"])
     tests = (ROOT / "tests" / "test_rod.py").read_text("utf-8")
-    usual, judged = (
-        int(re.search(rf"^{name} = many\(([\d_]+)", tests, re.M)[1]) for name in ("MANY", "CHECKED")
-    )
-    assert 2 * len(GENERATORS) * usual > 1_000_000 and 40 * judged == usual
-    assert "more than a million such lines, and judge a fortieth as many in whole numbers" in said
+    usual = int(re.search(r"^MANY = many\(([\d_]+)", tests, re.M)[1])
+    assert 2 * len(GENERATORS) * usual > 1_000_000
+    assert "more than a million such lines." in said

@@ -445,7 +445,7 @@ def near_side(torus, pair, rules, rows):
     most = larger(half_swing_by_the_node(torus), math.pi)
     if not pair.on_sheet or way.kind != NONE or pair.angle > most:
         return way
-    return search(torus, pair, OUTSIDE, math.nan, rules, rows)
+    return family_root(torus, pair, OUTSIDE, math.nan, rules, rows)
 
 
 def far_side(torus, pair, rules, rows):
@@ -474,7 +474,7 @@ def far_side(torus, pair, rules, rows):
     if narrow == 0:
         # Both nodes of a horn are one point: any way through it enters above and leaves below.
         return through(torus, pair) if two_ends and angle <= math.pi else nothing()
-    return search(torus, pair, INSIDE, math.nan, rules, rows) if a > 0 else nothing()
+    return family_root(torus, pair, INSIDE, math.nan, rules, rows) if a > 0 else nothing()
 
 
 def shortest(torus, pair, rules, rows):
@@ -493,7 +493,7 @@ def shortest(torus, pair, rules, rows):
     return outside
 
 
-def search(torus, pair, family, least, rules, rows):
+def family_root(torus, pair, family, least, rules, rows):
     """Return the way of a class that reaches the turned angle, or none.
 
     The class is `family`, and `least` the unknown of `second` from which it starts, else not a
@@ -570,9 +570,9 @@ def second_arrivals(torus, pair, least, rules, rows):
         swing = half_swing_by_the_node(torus)
         # The turned angle grows to either side of its least: below it, -u is the unknown.
         if pair.angle < swing:
-            before = search(torus, pair, BEFORE, -unknown, rules, rows)
+            before = family_root(torus, pair, BEFORE, -unknown, rules, rows)
         if pair.angle < 2 * swing:
-            past = search(torus, pair, PAST, unknown, rules, rows)
+            past = family_root(torus, pair, PAST, unknown, rules, rows)
     return before, past
 
 
