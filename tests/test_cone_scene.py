@@ -3,22 +3,8 @@
 import numpy as np
 import pytest
 
-from exhibits.blade_scene import tool_sequence_picture, tools_scene
-from exhibits.cone_scene import (
-    cone_in_the_model_picture,
-    moving_cone_picture,
-    osculating_cone_picture,
-    osculating_ring_picture,
-    plane_fans_picture,
-)
-from exhibits.envelope_equations import noisy_planes
-from exhibits.six_cones_scene import (
-    cones_at_contact_picture,
-    contact_scene,
-    double_cones_picture,
-    noisy_cones_picture,
-    six_rulings_picture,
-)
+from exhibits.blade_scene import tool_sequence_picture
+from exhibits.six_cones_scene import contact_scene, double_cones_picture
 from exhibits.surface_scene import (
     cones_along_curve_picture,
     ring_on_graph_picture,
@@ -26,15 +12,13 @@ from exhibits.surface_scene import (
 )
 from kit import scene
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
-from tunneller_lib.envelopes import ConePose, hyperosculating_cones
-from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone
-from tunneller_lib.envelopes.families import cubic, cyclide, helicoid, ruled
-from tunneller_lib.envelopes.isotropic import plane_to_point, surface_points
+from tunneller_lib.envelopes import hyperosculating_cones
+from tunneller_lib.envelopes.families import cyclide, helicoid, ruled
+from tunneller_lib.envelopes.isotropic import surface_points
 from tunneller_lib.milling.faces import BladeRing
 
 ANGLE = np.radians(30)
 PLACE = (0.5, 0.3)
-UPRIGHT = ConePose((0, 0, 0), (0, 0, 1), np.radians(20), near=1.0, far=3.2)
 CONES = hyperosculating_cones(cyclide, *PLACE, half_angle=ANGLE)
 SHEET = surface_points(
     cyclide, *np.meshgrid(np.linspace(0.3, 1, 41), np.linspace(0.1, 0.8, 41), indexing="ij")
@@ -42,61 +26,12 @@ SHEET = surface_points(
 RING = BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6)
 ON_BLADE = hyperosculating_cones(RING.coordinates, 0.8, 0.3, half_angle=0.17, model="space")
 SIZE = {"towards": 0.015, "away": 0.045}
-VERDICTS = [["fits", "hits a blade", "gouges"][k % 3] for k in range(len(ON_BLADE))]
-
-
-def dark(picture):
-    """Return which share of a picture is nearly black."""
-    return np.mean(np.all(picture < 90, axis=-1))
 
 
 def seen(plotter):
     picture = plotter.screenshot(return_img=True)
     plotter.close()
     return picture
-
-
-def edge(s):
-    return cubic(s, bend=0.8)[0]
-
-
-def test_moving_cone_shows_its_velocities_and_a_longer_curve_if_it_turns():
-    turning = moving_cone_picture(UPRIGHT, (0.02, 1.0, 0.01), (-2.0, 0.3, 0.5))
-    sliding = moving_cone_picture(UPRIGHT, (0, 0, 0), (0.9, -0.3, 0.3))
-    for picture in (turning, sliding):
-        assert share(picture, "cone") > 0.1 and share(picture, "error") > 1e-3
-    assert dark(turning) > dark(sliding) > 0.01
-
-
-def test_cone_in_the_model_has_a_circle_and_a_conic_of_their_colours():
-    picture = cone_in_the_model_picture(ConePose((0.2, -0.3, 0.9), (0.5, 0.2, 0.8), 0.5, 0.0, 2.0))
-    first, *others = np.array_split(picture, 3, axis=1)
-    assert share(first, "error") > 1e-3 and share(first, "top view") == 0
-    assert all(share(part, "top view") > 1e-3 for part in others)
-
-
-def test_osculating_cone_has_its_ruling_blue_and_shares_one_red_plane():
-    point, velocity, *_ = curve_derivatives(edge, np.linspace(-1, 1.5, 60))
-    sheet = point[:, None] + np.linspace(0, 1.6, 9)[:, None] * velocity[:, None]
-    cone = ConePose(*osculating_cone(edge, 0.7), near=0.0, far=2.6)
-    ruling = tuple(curve_derivatives(edge, 0.7)[1])
-    assert share(osculating_cone_picture(sheet, cone, ruling, tuple(sheet[-1, -1])),
-                 "tangent sphere") > 1e-3  # fmt: skip
-    fans = plane_fans_picture(edge, 0.7, cone)
-    green = fans[..., 1].astype(float) - fans[..., 0]  # the cone's planes, pale, on the right
-    left, right = np.array_split(green > 20, 2, axis=1)
-    assert share(fans, "error") > 0.01 and np.mean(right) > 0.02 > np.mean(left)
-
-
-def test_ring_and_curve_have_their_top_views_below():
-    points = plane_to_point(*UPRIGHT.planes(np.linspace(0, 1, 20)))
-    points[:, 2] += 0.2  # beside the conic
-    picture = osculating_ring_picture(UPRIGHT, points, tuple(points[0]))
-    top, ring = (
-        np.flatnonzero([share(row[None], colour) > 0.01 for row in picture]).mean()
-        for colour in ("top view", "cone")
-    )
-    assert top > ring  # rows are counted downwards
 
 
 def test_tangent_planes_are_pink_pieces_as_many_as_places():
@@ -143,41 +78,11 @@ def test_scene_of_a_contact_has_generators_within_the_circle_only():
     assert share(outside, "generator") == 0 and share(outside, "error") > 1e-3
 
 
-def test_each_cone_at_a_contact_has_a_picture_with_its_piece_and_its_contact():
-    for row in np.array_split(cones_at_contact_picture(SHEET, CONES), 2):
-        for place in np.array_split(row, 3, axis=1):
-            assert share(place, "cone") > 0.02 and share(place, "error") > 1e-4
-
-
 def test_only_the_rulings_of_multiple_cones_are_drawn(curves):
     double = hyperosculating_cones(cyclide, 1.2, np.sqrt(3 - 1.44), half_angle=ANGLE)
     for cones in (double, CONES):
         double_cones_picture(SHEET, cones)
     assert len(curves) == np.count_nonzero(double.multiplicity > 1) == 1
-
-
-def of_noisy_planes():
-    contact, n = noisy_planes(
-        cyclide, PLACE, np.random.default_rng(1), turn=0.05, count=300, reach=0.15
-    )
-    return noisy_cones_picture(SHEET, contact, n, CONES, CONES)
-
-
-@pytest.mark.parametrize(("picture", "colours"), [
-    (of_noisy_planes, {"cone": 1e-3, "tangent sphere": 1e-3}),
-    (lambda: six_rulings_picture(SHEET, cyclide, PLACE, ANGLE), {"generator": 0.05, "cone": 1e-3}),
-])  # fmt: skip
-def test_pictures_show_cones_in_their_colours(picture, colours):
-    found = picture()
-    for colour, least in colours.items():
-        assert share(found, colour) > least
-
-
-def test_tools_have_the_colours_of_their_verdicts():
-    show = np.ones(len(ON_BLADE), dtype=bool)
-    picture = seen(tools_scene(RING, ON_BLADE, show, VERDICTS, **SIZE))
-    for colour in ("cone", "generator", "error"):
-        assert share(picture, colour) > 0.003
 
 
 def test_place_without_a_tool_is_red():

@@ -8,7 +8,7 @@ import pytest
 
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal import grid as grids
-from tunneller_lib.surfaces import Box, Frustum, Rod
+from tunneller_lib.surfaces import Rod
 
 
 def block(n=40, m=50):
@@ -228,32 +228,3 @@ def test_degenerate_and_far_windows_have_no_warnings():
         for size in (1e-100, 1.0, 1e100):
             grid.cut(Rod((0, 0, 0), (size, -size, size), size, ends="round"))
             assert grid.cut_path([[size, size, -size]] * 2, size) >= 0
-
-
-SOLIDS = {
-    "frustum": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.2, 0.07),
-    "cone": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.0, 0.2),
-    "box": Box((-0.2, -0.1, 0.3), (0.24, 0.18, 0), (-0.06, 0.08, 0), (0, 0, 0.2)),
-}
-
-
-def volume_of(solid):
-    if isinstance(solid, Box):
-        return np.prod([np.linalg.norm(edge) for edge in (solid.x, solid.y, solid.z)])
-    ra, rb = solid.radius_a, solid.radius_b
-    length = np.linalg.norm(np.subtract(solid.b, solid.a))
-    return np.pi * length * (ra * ra + ra * rb + rb * rb) / 3
-
-
-@pytest.mark.parametrize("radial", [False, True])
-@pytest.mark.parametrize("solid", SOLIDS.values(), ids=SOLIDS)
-def test_any_solid_is_cut_by_its_volume(solid, radial):
-    if radial:
-        grid = DexelGrid.radial(-0.5, 0.5, 0, 1, (300, 900))
-    else:
-        grid = DexelGrid.cartesian((-0.5, -0.5, -0.5), (0.5, 0.5, 1), (300, 300))
-    whole = grid.volume
-    removed = grid.cut(solid)
-    assert removed == pytest.approx(volume_of(solid), rel=2e-3)
-    assert grid.volume + removed == pytest.approx(whole, rel=1e-12)
-    assert grid.cut(solid) <= 1e-12 * removed
