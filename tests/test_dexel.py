@@ -221,10 +221,3 @@ def test_memory_stays_within_what_is_refused_by(radial):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert len(grid.low) >= 2 and peak < 32 * grid.low.size + work
-
-
-def test_degenerate_and_far_windows_have_no_warnings():
-    for grid in (block(), wall(), wall(inner=0.0)):
-        for size in (1e-100, 1.0, 1e100):
-            grid.cut(Rod((0, 0, 0), (size, -size, size), size, ends="round"))
-            assert grid.cut_path([[size, size, -size]] * 2, size) >= 0

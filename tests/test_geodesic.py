@@ -118,25 +118,6 @@ def test_geodesic_from_a_point_to_itself_has_no_direction(torus):
     np.testing.assert_allclose(found.points(3).position, [(0.3, -0.2)] * 3, atol=1e-15)
 
 
-@pytest.mark.parametrize("torus, start, stop, angle", [
-    (MACHINE, -0.5, 0.6, 1.1),
-    (MACHINE, 0.6, -0.5, -1.1),
-    (SPINDLE, 2, -2, -4),  # the sheet has an edge: no other way
-    (RING, 1.5, -1.6, -3.1),
-    (RING, -2, 2, 4 - 2 * np.pi),
-    (RING, 2, -2, 2 * np.pi - 4),
-    (RING, np.pi, 0, np.pi),
-], ids=str)  # fmt: skip
-def test_geodesic_on_one_meridian_is_its_arc(torus, start, stop, angle):
-    found = geodesic_inverse(torus, (0.7, start), (0.7, stop))
-    assert found.kind == "meridian" and found.clairaut == 0
-    assert found.length == pytest.approx(torus.R * abs(angle), rel=1e-15)
-    if abs(angle) < np.pi:
-        azimuth = 0 if angle > 0 else np.pi
-        assert max(between(found.azimuth1, azimuth), between(found.azimuth2, azimuth)) == 0
-    np.testing.assert_allclose(found.points(5).position[:, 0], 0.7, atol=1e-14)
-
-
 @pytest.mark.parametrize("torus", [MACHINE, Torus(1, 1), RING], ids=str)
 @pytest.mark.parametrize("off", [0, 1e-12, 1e-10, 1e-8, 1e-6])
 def test_geodesic_that_leaves_its_farther_end_along_the_parallel_is_found(torus, off):

@@ -121,22 +121,6 @@ def test_meet_line_finds_all_of_special_lines(kind, ratio):
     judge(torus, a, b, torus.meet_line(a, b))
 
 
-@pytest.mark.parametrize("turn", [1e-1, 1e-2, 1e-3, 1e-4, -1e-3, -1e-1])
-@pytest.mark.parametrize("torus", [Torus(5, 1), Torus(2, 1.9), Torus(3, 5)], ids=str)
-def test_meet_line_finds_tangents_that_almost_osculate_twice(torus, turn):
-    rng, size = np.random.default_rng(8), torus.r + torus.R
-    saddle = np.arccos(np.clip(-torus.r / torus.R, -1, 1)) if torus.r < torus.R else np.pi
-    theta, phi = rng.uniform(-3, 3, 2000), rng.uniform(np.pi / 2 + 0.1, saddle - 0.1, 2000)
-    point, (meridian, parallel) = torus.point(theta, phi), torus.curvatures(theta, phi)
-    swing = np.arctan(np.sqrt(-meridian / parallel)) + turn  # at turn 0 the normal curvature is 0
-    along = np.stack([-np.sin(theta), 0 * theta, -np.cos(theta)], axis=-1)
-    u = np.cos(swing)[:, None] * np.cross(along, torus.normal(theta, phi))
-    u += np.sin(swing)[:, None] * along
-    t = torus.meet_line(point - size * u, point + size * u)
-    near = np.abs(2 * t - 1) <= 1e-6 / abs(turn)
-    assert np.all(np.sum(near, axis=-1) >= 2)
-
-
 def beside_tangents(torus, seed, n, roundings):
     """Return points a and b of lines that pass n tangents at so many roundings of r + R, and where.
 
