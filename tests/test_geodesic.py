@@ -360,32 +360,7 @@ def test_ends_however_near_the_outer_equator_have_an_answer(torus, apart):
 # Ends at the limits of the sheet.
 
 
-def test_ends_that_are_far_round_and_near_each_other_keep_the_digits_of_their_difference():
-    step = 2.0**-30
-    found = geodesic_inverse(MACHINE, (100, 0), (100 + step, 0))
-    assert found.length == pytest.approx((MACHINE.r + MACHINE.R) * step, rel=1e-15)
-    assert geodesic_inverse(MACHINE, (1e99, 0.1), (1e99, 0.2)).kind == "meridian"
-
-
 WIDE = [1, 1 + 2.3e-16, 1 + 1e-12, 1.0001, 1.01, 1.1, 1.5, 3]
-
-
-@pytest.mark.parametrize("ratio", [*WIDE, 1 - 1e-12, 0.5])
-def test_ends_on_a_meridian_but_for_a_tiny_turn_have_an_answer(ratio):
-    rng = np.random.default_rng(15)
-    torus = Torus(ratio, 1)
-    reach = np.arccos(max(-ratio, -1))
-    phi1, phi2 = rng.uniform(-reach, reach, (2, 2000))
-    turn = 10 ** rng.uniform(-300, -10, 2000)
-    turn[::3] = 0.1 + 0.2 - 0.3
-    found = geodesic_inverse(
-        torus, np.stack([0 * turn, phi1], axis=-1), np.stack([turn, phi2], axis=-1)
-    )
-    assert np.all(found.converged)
-    arc = np.abs(phi1 - phi2)
-    arc = np.minimum(arc, 2 * np.pi - arc) if ratio >= 1 else arc
-    np.testing.assert_allclose(found.length, arc, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(found.length[::3], arc[::3], rtol=0, atol=2e-13)
 
 
 @pytest.mark.parametrize("ratio", WIDE)
@@ -419,12 +394,6 @@ def test_a_short_way_through_the_node_of_a_horn_counts_what_pi_is_more_than_its_
 
 def test_the_node_of_a_horn_is_no_place_on_its_sheet():
     check_no_answer(geodesic_inverse(Torus(1, 1), (0, 0.1), (1, np.pi)), 1)
-
-
-def test_ends_on_either_side_of_the_outer_equator_and_all_but_on_it_have_an_answer():
-    phi = 7.893822301336877e-30
-    found = geodesic_inverse(SPINDLE, (0, -phi), (-2.3589354223928547, phi))
-    assert found.length == pytest.approx(1.5 * 2.3589354223928547, rel=1e-14)
 
 
 def test_deviation_is_positive_to_the_left_of_the_way_as_seen_from_outside():

@@ -1,13 +1,9 @@
 """The tangent-sphere path of a chord: where it runs, how its points are spaced, how long it is."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mpmath import mp, mpf
-from scipy.integrate import quad
 
 from tests.shapes import log_uniform
 from tunneller_lib.paths import CHORD_PATHS, path_length, project_chord
@@ -61,60 +57,6 @@ def test_project_chord_with_chord_spacing_takes_even_steps_along_the_chord():
     for k in range(1, 4):
         m = start + k / 4 * (stop - start)
         np.testing.assert_allclose(MACHINE.foot(m), path[k], atol=1e-14)
-
-
-@pytest.mark.parametrize("torus, p, q", [
-    (MACHINE, P, Q),
-    (MACHINE, (-1, -0.7), (0.6, 0.7)),
-    (MACHINE, (-1, 0), (0.6, 0)),
-    (Torus(1e3, 3e3), P, Q),
-    (Torus(1e-3, 2e-4), (-0.3, -0.6), (0.3, 0.4)),  # a thin ring, its chord outside the tube
-    (MACHINE, (0, 1.134), (2.618, -1.134)),  # through several panels
-    (Torus(0.2, 0.8), (0, 0.698), (1.658, -0.698)),
-    (Torus(1, 0.2), (-0.7, 0.09), (0.5, -0.09)),  # close by the ring circle
-], ids=str)  # fmt: skip
-def test_project_chord_with_arc_spacing_splits_the_length_evenly(torus, p, q):
-    n = 5
-    path = project_chord(torus, p, q, n, spacing="arc")
-    start, stop = torus.point(*p), torus.point(*q)
-    foot = path_by_mpmath(torus, start, stop)
-    t = [share_of_chord(start, stop, torus, point) for point in path]
-    arcs = [arc_length(foot, *ends) for ends in pairwise(t)]
-    np.testing.assert_allclose(arcs, np.mean(arcs), rtol=1e-10)
-    assert np.sum(arcs) == pytest.approx(path_length(torus, PROJECTED, p, q), rel=1e-11)
-
-
-def path_by_mpmath(torus, start, stop):
-    """Return the foot N(t) of M(t) on a chord, by vectors from the ring's point."""
-    start, chord = (
-        [mpf(c) for c in start],
-        [mpf(b) - mpf(a) for a, b in zip(start, stop, strict=True)],
-    )
-
-    def foot(t):
-        m = [a + t * c for a, c in zip(start, chord, strict=True)]
-        scale = mpf(torus.r) / mp.sqrt(m[0] ** 2 + m[2] ** 2)
-        ring = [m[0] * scale, mpf(0), m[2] * scale]
-        away = [a - b for a, b in zip(m, ring, strict=True)]
-        length = mp.sqrt(sum(c * c for c in away))
-        return [a + torus.R * b / length for a, b in zip(ring, away, strict=True)]
-
-    return foot
-
-
-def share_of_chord(start, stop, torus, position):
-    """Return t where the normal of a position comes nearest to the chord."""
-    chord, normal = stop - start, torus.normal(*position)
-    offset = torus.point(*position) - start
-    return np.linalg.lstsq(np.stack([chord, -normal], axis=-1), offset, rcond=None)[0][0]
-
-
-def arc_length(foot, low, high):
-    def speed(t):
-        rate = [mp.diff(lambda u, i=i: foot(u)[i], t) for i in range(3)]
-        return float(mp.sqrt(sum(c * c for c in rate)))
-
-    return quad(speed, low, high, epsabs=0, epsrel=1e-11)[0]
 
 
 @every_spacing
