@@ -91,23 +91,6 @@ def test_removed_and_left_are_the_initial_volume(grid):
     assert abs(grid.volume + removed - initial) < 1e-13 * initial
 
 
-@every_grid
-def test_order_of_cuts_and_repeats_do_not_matter(grid):
-    shapes = rods(np.random.default_rng(2), 20)
-    one, other = grid(), grid()
-    for shape in shapes:
-        one.cut(shape)
-    for shape in shapes[::-1]:
-        other.cut(shape)
-    sets = [np.sort(np.where(g.high > g.low, g.low, np.inf), axis=0) for g in (one, other)]
-    slots = min(len(side) for side in sets)
-    np.testing.assert_array_equal(*(side[:slots] for side in sets))
-    assert all(np.all(side[slots:] == np.inf) for side in sets)
-    assert abs(one.volume - other.volume) < 1e-14
-    for shape in shapes:
-        assert one.cut(shape) == 0
-
-
 def test_cut_path_is_the_sum_of_its_moves():
     rng = np.random.default_rng(3)
     path = np.add(np.cumsum(rng.uniform(-0.1, 0.1, (30, 3)), axis=0), (0, 0.3, 0.4))

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
+from tests.envelopes_zoo import GRID, MOTIONS
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones
 from tunneller_lib.envelopes.circle_roots import real_zeros
 from tunneller_lib.envelopes.families import cyclide, moving_cone
@@ -144,11 +144,6 @@ def test_gouging_is_undecided_where_order_four_vanishes(order, C, gouges):
     length = cones.distance[k]
     d = ConePose(cones.vertex[k], cones.axis[k], ANGLE, length / 2, 2 * length).clearance(r)
     assert d.min() < -1e-8 if gouges else d.min() > -1e-12
-
-
-def test_every_cone_gouges_where_the_curvature_is_positive():
-    cones = hyperosculating_cones(GENERAL["ellipsoid"], *GRID, half_angle=0.3, model="space")
-    assert len(cones.gouges) and cones.gouges.all() and not cones.undecided.any()
 
 
 # ---- what is no generic point -----------------------------------------------------------------

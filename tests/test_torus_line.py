@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from exhibits import quartics
 from tests.shapes import EPS, directions, eq2, off_surface, tori
 from tunneller_lib.surfaces import Torus
 
@@ -235,9 +234,3 @@ def test_meet_line_refuses_points_that_coincide():
         ValueError, match=r"^a, b: must differ, or there is no line; got a pair that coincides[.]$"
     ):
         Torus(1, 2).meet_line([(1, 2, 3), (1, 2, 4)], (1, 2, 3))
-
-
-@pytest.mark.parametrize(("share", "real"), [(0.75, 3), (1.5, 1)])
-def test_real_roots_lean_by_the_root_of_a_rounding_at_most(share, real):
-    far = 2.0**26 / share  # beside it i and -i are so much of its rounding's root
-    assert np.isfinite(quartics.real_roots([1.0, -far, 1.0, -far])).sum() == real
