@@ -293,6 +293,36 @@ def test_geodesic_direct_scales_with_the_torus(torus, power):
     np.testing.assert_allclose(far.point / size, way.point, rtol=1e-14, atol=0)
 
 
+def test_neighbours_of_the_inner_equator_leave_it_by_its_curvature():
+    # By Jacobi's equation; the curvature there is -1 / (R (r - R)).
+    off, length = 1e-6, np.linspace(0, 6, 7)
+    way = geodesic_direct(RING, (0, np.pi - off), np.pi / 2, length[-1], 7)
+    parting = off * np.cosh(length / np.sqrt(RING.R * (RING.r - RING.R)))
+    np.testing.assert_allclose(np.pi - way.position[:, 1], parting, rtol=1e-8)
+
+
+def test_geodesic_direct_counts_what_is_left_of_the_turn_by_the_node_of_a_horn():
+    # So near a meridian theta is c times the integral of R / rho^2, the distance rho 2 sin^2(z/2).
+    gap, length, azimuth = 2.0**-26, 0.02, np.pi + 1e-10
+    way = geodesic_direct(Torus(1, 1), (0, np.pi - gap), azimuth, length)
+    clairaut = 2 * np.sin(gap / 2) ** 2 * np.sin(azimuth)
+    near, far = (1 / np.tan(z / 2) for z in (gap, gap + length))
+    turned = clairaut * (near + near**3 / 3 - far - far**3 / 3) / 2
+    # To the rounding of such an azimuth, 4e-16 of 1e-10.
+    assert way.position[-1, 0] == pytest.approx(turned, rel=1e-5)
+
+
+@pytest.mark.parametrize("ratio, gaps", [(0.99, (3e-6, 0.9)), (1e-6, (1e-5, -0.2))])
+def test_ways_of_half_a_turn_from_beside_a_node_have_an_answer(ratio, gaps):
+    node = np.arccos(-ratio)
+    ends = [np.copysign(node - abs(gap), gap) for gap in gaps]
+    turn = np.pi - 10.0 ** -np.arange(3, 13)
+    found = geodesic_inverse(
+        Torus(ratio, 1), (0, ends[0]), np.stack([turn, 0 * turn + ends[1]], axis=-1)
+    )
+    assert np.all(found.certified)
+
+
 @pytest.mark.parametrize("azimuth, step", [(0.0, 1), (np.pi, -1), (-np.pi, -1), (2 * np.pi, 1)])
 def test_geodesic_direct_follows_a_meridian_through_the_node(azimuth, step):
     way = geodesic_direct(SPINDLE, (0.2, 0.3), azimuth, 5.0, 6)
