@@ -310,6 +310,16 @@ def test_geodesic_direct_counts_what_is_left_of_the_turn_by_the_node_of_a_horn()
     turned = clairaut * (near + near**3 / 3 - far - far**3 / 3) / 2
     # To the rounding of such an azimuth, 4e-16 of 1e-10.
     assert way.position[-1, 0] == pytest.approx(turned, rel=1e-5)
+    # Clairaut's constant, where it is known, has more of its digits.
+    end = np.pi - gap - length
+    found = geodesic_inverse(Torus(1, 1), (0, np.pi - gap), (turned, end))
+    assert found.points(2).position[-1, 0] == pytest.approx(turned, rel=1e-9)
+
+
+def test_a_way_wound_about_the_inner_equator_of_a_thin_ring_has_an_answer():
+    ring, start, turn, end = Torus(1e4, 1), 3.141592653589771, 1.325, 1.956
+    found = geodesic_inverse(ring, (0, start), (turn, end))
+    assert 0 < found.length - (ring.r - ring.R) * turn < ring.R * (start - end)
 
 
 @pytest.mark.parametrize("ratio, gaps", [(0.99, (3e-6, 0.9)), (1e-6, (1e-5, -0.2))])
