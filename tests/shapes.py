@@ -44,13 +44,6 @@ def ways_of(family, torus, a, b, unknowns, nodes=96):
     return np.array(found).T
 
 
-def random_tori(rng, n):
-    """Return n tori of any scale from 1e-3 to 1e6 m and any R/r from 0.2 to 1e4."""
-    scale = 10 ** rng.uniform(-3, 6, n)
-    ratio = 10 ** rng.uniform(np.log10(0.2), 4, n)
-    return [Torus(s / max(1, k), s * k / max(1, k)) for s, k in zip(scale, ratio, strict=True)]
-
-
 def directions(rng, n):
     """Return n random unit vectors (n, 3)."""
     v = rng.normal(size=(n, 3))

@@ -147,12 +147,6 @@ def test_bound_holds_up_to_the_horn_and_not_on_rings():
     assert fails == pytest.approx(1.0176623, abs=2e-7)
 
 
-def test_constant_of_the_bound_cannot_be_smaller():
-    """The excess over (r/R)^2 tends to sup F, with a slope."""
-    slopes = [(scaled(ratio) - SUP) / ratio for ratio in (0.02, 0.01, 0.005)]
-    np.testing.assert_allclose(slopes, -0.0159, atol=4e-4)
-
-
 def test_table_of_short_chords_is_what_its_script_writes():
     with short_chords.TABLE.open(newline="") as file:
         header, *rows = csv.reader(file)

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from exhibits import quartics
 from tests.shapes import eq2
 from tunneller_lib.paths import cutting_circuit, project_chord
 from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 EGG = Egg(0.5)
 POSES = {"aligned": (0, 0), "pitched": (0.03, 0), "yawed": (0, -0.04), "both": (-0.02, 0.05)}
@@ -77,17 +76,6 @@ def test_extremes_of_the_reference_circuit():
     every = circuit.position(along(circuit, 4001))
     np.testing.assert_allclose(every.min(axis=0), [crown[0], right[1]], atol=1e-6)
     np.testing.assert_allclose(every.max(axis=0), [invert[0], left[1]], atol=1e-6)
-
-
-@pytest.mark.parametrize("meet_line", [Torus.meet_line, quartics.meet_line])
-def test_aligned_circuit_agrees_with_eq5(meet_line):
-    circuit = of(REFERENCE_MACHINE)
-    s = along(circuit)
-    y, z = circuit.profile.point(s).T
-    a = np.stack([0 * y, y, z - REFERENCE_MACHINE.height], axis=-1)
-    torus = REFERENCE_MACHINE.torus
-    x = np.nanmax(meet_line(torus, a, a + np.array([1, 0, 0])), axis=-1)
-    np.testing.assert_allclose(x, circuit.point(s)[:, 0], atol=1e-12)
 
 
 def test_positive_pitch_lowers_the_nose_and_positive_yaw_turns_it_left():

@@ -176,24 +176,6 @@ def test_lines_have_the_same_bits_both_ways(kind, both_ways):
     assert np.isfinite(plain[0]).any() and np.isinf(plain[0]).any()
 
 
-def test_chunks_of_a_push_are_one_run(both_ways):
-    slopes = np.diff(RAMP, axis=0) / T
-    reach = dict(lever=(0.88, 0.80), across=(0.2, -0.1))
-    at_once = Push(damper=np.linspace(0, 4e3, len(slopes)), **reach)
-    seen = []
-
-    def in_parts(tick, tried):
-        if tried is not None:
-            seen.append(tried)
-            return None
-        return Push(damper=at_once.damper[tick : tick + 4], **reach)
-
-    whole, parts = (follow(OILY, LOOPS["usual"], RAMP, slopes=slopes, push=push)
-                    for push in (at_once, in_parts))  # fmt: skip
-    assert_same_bits((whole, parts))
-    np.testing.assert_array_equal(np.concatenate([one[1:] for one in seen]), parts.position[1:])
-
-
 def test_ticks_that_are_tried_again_leave_no_trace(both_ways):
     slopes = np.diff(RAMP, axis=0) / T
     reach = dict(lever=(0.88, 0.80), across=(0.2, -0.1))

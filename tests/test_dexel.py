@@ -8,7 +8,7 @@ import pytest
 
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal import grid as grids
-from tunneller_lib.surfaces import Box, Frustum, Rod
+from tunneller_lib.surfaces import Rod
 
 
 def block(n=40, m=50):
@@ -89,23 +89,6 @@ def test_removed_and_left_are_the_initial_volume(grid):
         assert abs(grid.volume + taken - before) < 1e-13 * initial
         removed += taken
     assert abs(grid.volume + removed - initial) < 1e-13 * initial
-
-
-@every_grid
-def test_order_of_cuts_and_repeats_do_not_matter(grid):
-    shapes = rods(np.random.default_rng(2), 20)
-    one, other = grid(), grid()
-    for shape in shapes:
-        one.cut(shape)
-    for shape in shapes[::-1]:
-        other.cut(shape)
-    sets = [np.sort(np.where(g.high > g.low, g.low, np.inf), axis=0) for g in (one, other)]
-    slots = min(len(side) for side in sets)
-    np.testing.assert_array_equal(*(side[:slots] for side in sets))
-    assert all(np.all(side[slots:] == np.inf) for side in sets)
-    assert abs(one.volume - other.volume) < 1e-14
-    for shape in shapes:
-        assert one.cut(shape) == 0
 
 
 def test_cut_path_is_the_sum_of_its_moves():
@@ -221,39 +204,3 @@ def test_memory_stays_within_what_is_refused_by(radial):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert len(grid.low) >= 2 and peak < 32 * grid.low.size + work
-
-
-def test_degenerate_and_far_windows_have_no_warnings():
-    for grid in (block(), wall(), wall(inner=0.0)):
-        for size in (1e-100, 1.0, 1e100):
-            grid.cut(Rod((0, 0, 0), (size, -size, size), size, ends="round"))
-            assert grid.cut_path([[size, size, -size]] * 2, size) >= 0
-
-
-SOLIDS = {
-    "frustum": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.2, 0.07),
-    "cone": Frustum((0.02, -0.03, 0.1), (0.12, 0.05, 0.5), 0.0, 0.2),
-    "box": Box((-0.2, -0.1, 0.3), (0.24, 0.18, 0), (-0.06, 0.08, 0), (0, 0, 0.2)),
-}
-
-
-def volume_of(solid):
-    if isinstance(solid, Box):
-        return np.prod([np.linalg.norm(edge) for edge in (solid.x, solid.y, solid.z)])
-    ra, rb = solid.radius_a, solid.radius_b
-    length = np.linalg.norm(np.subtract(solid.b, solid.a))
-    return np.pi * length * (ra * ra + ra * rb + rb * rb) / 3
-
-
-@pytest.mark.parametrize("radial", [False, True])
-@pytest.mark.parametrize("solid", SOLIDS.values(), ids=SOLIDS)
-def test_any_solid_is_cut_by_its_volume(solid, radial):
-    if radial:
-        grid = DexelGrid.radial(-0.5, 0.5, 0, 1, (300, 900))
-    else:
-        grid = DexelGrid.cartesian((-0.5, -0.5, -0.5), (0.5, 0.5, 1), (300, 300))
-    whole = grid.volume
-    removed = grid.cut(solid)
-    assert removed == pytest.approx(volume_of(solid), rel=2e-3)
-    assert grid.volume + removed == pytest.approx(whole, rel=1e-12)
-    assert grid.cut(solid) <= 1e-12 * removed

@@ -145,15 +145,6 @@ def test_nonsense_that_a_function_answers_is_refused_in_a_sentence(door):
             DOORS[door](lambda *given, answer=answer: answer)
 
 
-@every_door
-def test_what_a_function_raises_itself_passes_through(door):
-    def faulty(*given):
-        return {}["no such key"]
-
-    with pytest.raises(KeyError, match="no such key"):
-        DOORS[door](faulty)
-
-
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
 def test_a_constant_that_is_no_surface_is_told_from_a_wrong_call(value):
     cones = hyperosculating_cones(lambda s, t: value + 0 * s, S, T, half_angle=0.5)

@@ -107,40 +107,6 @@ def test_geodesic_inverse_on_a_sphere_is_a_great_circle():
         np.testing.assert_allclose(way.tangent[:, k] * sine[:, None], direction, atol=1e-8)
 
 
-@every_torus
-def test_geodesic_inverse_backwards_is_the_same_geodesic(torus):
-    p, q = random_pairs(torus, 1000, seed=7)
-    forth, back = geodesic_inverse(torus, p, q), geodesic_inverse(torus, q, p)
-    np.testing.assert_allclose(back.length, forth.length, rtol=1e-14)
-    assert np.max(between(back.azimuth1, forth.azimuth2 + np.pi)) <= 1e-12
-    assert np.max(between(back.azimuth2, forth.azimuth1 + np.pi)) <= 1e-12
-    np.testing.assert_array_equal(back.kind, forth.kind)
-
-
-@every_torus
-def test_geodesic_inverse_is_symmetric_about_the_planes_of_symmetry(torus):
-    p, q = random_pairs(torus, 1000, seed=8)
-    found = geodesic_inverse(torus, p, q)
-    for signs, azimuth in (((-1, 1), np.negative), ((1, -1), lambda alpha: np.pi - alpha)):
-        image = geodesic_inverse(torus, p * signs, q * signs)
-        np.testing.assert_allclose(image.length, found.length, rtol=1e-14)
-        for name in ("azimuth1", "azimuth2"):
-            assert np.max(between(getattr(image, name), azimuth(getattr(found, name)))) <= 1e-12
-        np.testing.assert_allclose(np.abs(image.clairaut), np.abs(found.clairaut), rtol=1e-11)
-
-
-@every_torus
-@pytest.mark.parametrize("power", [-20, 20])
-def test_geodesic_inverse_scales_with_the_torus(torus, power):
-    p, q = random_pairs(torus, 500, seed=9)
-    found = geodesic_inverse(torus, p, q)
-    scaled = geodesic_inverse(Torus(torus.r * 2.0**power, torus.R * 2.0**power), p, q)
-    for name in ("length", "clairaut"):
-        expected = getattr(found, name) * 2.0**power
-        np.testing.assert_allclose(getattr(scaled, name), expected, rtol=1e-12)
-    assert np.max(between(scaled.azimuth1, found.azimuth1)) <= 1e-12
-
-
 # Special ends.
 
 
@@ -150,25 +116,6 @@ def test_geodesic_from_a_point_to_itself_has_no_direction(torus):
     assert found.length == 0 and found.kind == "point" and found.converged
     assert np.isnan(found.azimuth1) and np.isnan(found.azimuth2)
     np.testing.assert_allclose(found.points(3).position, [(0.3, -0.2)] * 3, atol=1e-15)
-
-
-@pytest.mark.parametrize("torus, start, stop, angle", [
-    (MACHINE, -0.5, 0.6, 1.1),
-    (MACHINE, 0.6, -0.5, -1.1),
-    (SPINDLE, 2, -2, -4),  # the sheet has an edge: no other way
-    (RING, 1.5, -1.6, -3.1),
-    (RING, -2, 2, 4 - 2 * np.pi),
-    (RING, 2, -2, 2 * np.pi - 4),
-    (RING, np.pi, 0, np.pi),
-], ids=str)  # fmt: skip
-def test_geodesic_on_one_meridian_is_its_arc(torus, start, stop, angle):
-    found = geodesic_inverse(torus, (0.7, start), (0.7, stop))
-    assert found.kind == "meridian" and found.clairaut == 0
-    assert found.length == pytest.approx(torus.R * abs(angle), rel=1e-15)
-    if abs(angle) < np.pi:
-        azimuth = 0 if angle > 0 else np.pi
-        assert max(between(found.azimuth1, azimuth), between(found.azimuth2, azimuth)) == 0
-    np.testing.assert_allclose(found.points(5).position[:, 0], 0.7, atol=1e-14)
 
 
 @pytest.mark.parametrize("torus", [MACHINE, Torus(1, 1), RING], ids=str)
@@ -184,17 +131,6 @@ def test_geodesic_that_leaves_its_farther_end_along_the_parallel_is_found(torus,
     found = geodesic_inverse(torus, starts, np.array([way.position[-1] for way in ways]))
     assert np.all(found.converged)
     np.testing.assert_allclose(found.length, lengths, rtol=0, atol=1e-14 * torus.R)
-
-
-@pytest.mark.parametrize("torus", [MACHINE, RING, Torus(1e6, 1e3)], ids=str)
-@pytest.mark.parametrize("share", [1e-9, 0.1, 0.9, 0.999])
-def test_geodesic_along_the_outer_equator_while_it_is_the_shortest(torus, share):
-    # Up to the first conjugate point: the curvature there is 1/(R (r + R)).
-    turn = share * np.pi * np.sqrt(torus.R / (torus.r + torus.R))
-    found = geodesic_inverse(torus, (0, 0), (turn, 0))
-    assert found.kind == "outer" and found.converged
-    assert found.length == pytest.approx((torus.r + torus.R) * turn, rel=1e-14)
-    assert found.clairaut == pytest.approx(torus.r + torus.R, rel=1e-14)
 
 
 @pytest.mark.parametrize("turn", [0.1, 2, np.pi])
@@ -357,6 +293,46 @@ def test_geodesic_direct_scales_with_the_torus(torus, power):
     np.testing.assert_allclose(far.point / size, way.point, rtol=1e-14, atol=0)
 
 
+def test_neighbours_of_the_inner_equator_leave_it_by_its_curvature():
+    # By Jacobi's equation; the curvature there is -1 / (R (r - R)).
+    off, length = 1e-6, np.linspace(0, 6, 7)
+    way = geodesic_direct(RING, (0, np.pi - off), np.pi / 2, length[-1], 7)
+    parting = off * np.cosh(length / np.sqrt(RING.R * (RING.r - RING.R)))
+    np.testing.assert_allclose(np.pi - way.position[:, 1], parting, rtol=1e-8)
+
+
+def test_geodesic_direct_counts_what_is_left_of_the_turn_by_the_node_of_a_horn():
+    # So near a meridian theta is c times the integral of R / rho^2, the distance rho 2 sin^2(z/2).
+    gap, length, azimuth = 2.0**-26, 0.02, np.pi + 1e-10
+    way = geodesic_direct(Torus(1, 1), (0, np.pi - gap), azimuth, length)
+    clairaut = 2 * np.sin(gap / 2) ** 2 * np.sin(azimuth)
+    near, far = (1 / np.tan(z / 2) for z in (gap, gap + length))
+    turned = clairaut * (near + near**3 / 3 - far - far**3 / 3) / 2
+    # To the rounding of such an azimuth, 4e-16 of 1e-10.
+    assert way.position[-1, 0] == pytest.approx(turned, rel=1e-5)
+    # Clairaut's constant, where it is known, has more of its digits.
+    end = np.pi - gap - length
+    found = geodesic_inverse(Torus(1, 1), (0, np.pi - gap), (turned, end))
+    assert found.points(2).position[-1, 0] == pytest.approx(turned, rel=1e-9)
+
+
+def test_a_way_wound_about_the_inner_equator_of_a_thin_ring_has_an_answer():
+    ring, start, turn, end = Torus(1e4, 1), 3.141592653589771, 1.325, 1.956
+    found = geodesic_inverse(ring, (0, start), (turn, end))
+    assert 0 < found.length - (ring.r - ring.R) * turn < ring.R * (start - end)
+
+
+@pytest.mark.parametrize("ratio, gaps", [(0.99, (3e-6, 0.9)), (1e-6, (1e-5, -0.2))])
+def test_ways_of_half_a_turn_from_beside_a_node_have_an_answer(ratio, gaps):
+    node = np.arccos(-ratio)
+    ends = [np.copysign(node - abs(gap), gap) for gap in gaps]
+    turn = np.pi - 10.0 ** -np.arange(3, 13)
+    found = geodesic_inverse(
+        Torus(ratio, 1), (0, ends[0]), np.stack([turn, 0 * turn + ends[1]], axis=-1)
+    )
+    assert np.all(found.certified)
+
+
 @pytest.mark.parametrize("azimuth, step", [(0.0, 1), (np.pi, -1), (-np.pi, -1), (2 * np.pi, 1)])
 def test_geodesic_direct_follows_a_meridian_through_the_node(azimuth, step):
     way = geodesic_direct(SPINDLE, (0.2, 0.3), azimuth, 5.0, 6)
@@ -424,32 +400,7 @@ def test_ends_however_near_the_outer_equator_have_an_answer(torus, apart):
 # Ends at the limits of the sheet.
 
 
-def test_ends_that_are_far_round_and_near_each_other_keep_the_digits_of_their_difference():
-    step = 2.0**-30
-    found = geodesic_inverse(MACHINE, (100, 0), (100 + step, 0))
-    assert found.length == pytest.approx((MACHINE.r + MACHINE.R) * step, rel=1e-15)
-    assert geodesic_inverse(MACHINE, (1e99, 0.1), (1e99, 0.2)).kind == "meridian"
-
-
 WIDE = [1, 1 + 2.3e-16, 1 + 1e-12, 1.0001, 1.01, 1.1, 1.5, 3]
-
-
-@pytest.mark.parametrize("ratio", [*WIDE, 1 - 1e-12, 0.5])
-def test_ends_on_a_meridian_but_for_a_tiny_turn_have_an_answer(ratio):
-    rng = np.random.default_rng(15)
-    torus = Torus(ratio, 1)
-    reach = np.arccos(max(-ratio, -1))
-    phi1, phi2 = rng.uniform(-reach, reach, (2, 2000))
-    turn = 10 ** rng.uniform(-300, -10, 2000)
-    turn[::3] = 0.1 + 0.2 - 0.3
-    found = geodesic_inverse(
-        torus, np.stack([0 * turn, phi1], axis=-1), np.stack([turn, phi2], axis=-1)
-    )
-    assert np.all(found.converged)
-    arc = np.abs(phi1 - phi2)
-    arc = np.minimum(arc, 2 * np.pi - arc) if ratio >= 1 else arc
-    np.testing.assert_allclose(found.length, arc, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(found.length[::3], arc[::3], rtol=0, atol=2e-13)
 
 
 @pytest.mark.parametrize("ratio", WIDE)
@@ -483,12 +434,6 @@ def test_a_short_way_through_the_node_of_a_horn_counts_what_pi_is_more_than_its_
 
 def test_the_node_of_a_horn_is_no_place_on_its_sheet():
     check_no_answer(geodesic_inverse(Torus(1, 1), (0, 0.1), (1, np.pi)), 1)
-
-
-def test_ends_on_either_side_of_the_outer_equator_and_all_but_on_it_have_an_answer():
-    phi = 7.893822301336877e-30
-    found = geodesic_inverse(SPINDLE, (0, -phi), (-2.3589354223928547, phi))
-    assert found.length == pytest.approx(1.5 * 2.3589354223928547, rel=1e-14)
 
 
 def test_deviation_is_positive_to_the_left_of_the_way_as_seen_from_outside():

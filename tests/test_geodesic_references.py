@@ -1,7 +1,6 @@
 """The shortest geodesics against the tables of high-precision references."""
 
 import csv
-import re
 from collections import Counter
 
 import numpy as np
@@ -10,7 +9,6 @@ from mpmath import mp
 
 from tests.audit.long import many
 from tests.references import geodesic_sweep, torus_geodesics
-from tests.references.geodesic_families import FAMILIES
 from tests.references.geodesic_rivals import shortest_rival
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
@@ -26,7 +24,6 @@ def read(path):
 
 HEADER, ROWS = read(torus_geodesics.TABLE)
 COUNTS = Counter(row[0] for row in ROWS)
-README = torus_geodesics.TABLE.with_name("README.md").read_text()
 SWEEP_HEADER, SWEEP = read(geodesic_sweep.TABLE)
 # Where the reduced length is smaller than that share of the length, the ends are nearly conjugate.
 DEGENERATE = geodesic_sweep.DEGENERATE
@@ -89,16 +86,6 @@ def test_references_of_geodesics_are_what_their_script_writes(family):
     with mp.workdps(torus_geodesics.DIGITS):
         first = next(torus_geodesics.rows(family))
     assert first == next(row for row in ROWS if row[0] == family)
-
-
-def test_references_of_geodesics_are_listed_in_the_readme():
-    assert HEADER == torus_geodesics.COLUMNS
-    assert COUNTS == {family: count for family, (count, _) in FAMILIES.items()}
-    listed = dict(re.findall(r"^\| ([a-z ]+) \| (\d+) \|", README, re.M))
-    assert listed == {family: str(count) for family, count in COUNTS.items()}
-    assert f"{len(ROWS):,} inverse" in README
-    for name in HEADER:
-        assert f"`{name}`" in README
 
 
 @pytest.mark.parametrize("turn, shorter", [(1.5, False), (1.6, True), (2.5, True)])

@@ -86,21 +86,6 @@ def test_derivatives_are_those_of_the_curve():
         np.testing.assert_allclose(got, np.stack([c + 0 * s for c in expected], -1), atol=1e-15)
 
 
-@pytest.mark.parametrize(("name", "s"), [("cubic", 0.7), ("cubic", 0.0), ("helix", 0.3)])
-@pytest.mark.parametrize("scale", [1e-6, 1e6])
-def test_planes_leave_the_vertex_at_third_order(name, s, scale):
-    """By curvature times torsion over 6 times the arc's third power, also at such a place."""
-
-    def curve(s):
-        return [scale * c for c in CURVES[name](s)]
-
-    vertex, *_ = osculating_cone(curve, s)
-    n, h = tangent_planes(curve, s + 1e-3)
-    _, v, a, third = curve_derivatives(curve, s)
-    volume = np.dot(np.cross(v, a), third) / np.linalg.norm(np.cross(v, a))
-    assert (n @ vertex + h) / scale == pytest.approx(-volume / scale * 1e-9 / 6, rel=0.01)
-
-
 def test_osculating_cone_holds_the_tangent_and_its_plane_and_all_normals_of_a_helix():
     s = np.linspace(-0.5, 1.5, 9)
     vertex, axis, angle = osculating_cone(CURVES["cubic"], s)

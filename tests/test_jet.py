@@ -68,16 +68,6 @@ def test_jet_keeps_its_digits_at_any_scale(scale):
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
 
 
-@pytest.mark.parametrize("count", [7, 400])
-def test_jet_of_many_points_is_that_of_each(count):
-    x, y = np.random.default_rng(1).uniform(0.2, 1, (2, count))
-    for function in FUNCTIONS.values():
-        every = function(Numpy(), *jet_variables(x, y)).c
-        for k in range(7):
-            one = function(Numpy(), *jet_variables(x[k], y[k])).c
-            np.testing.assert_allclose(every[:, k], one, rtol=1e-13, atol=1e-15)
-
-
 def test_jet_takes_numbers_and_arrays_on_either_side():
     x, _ = jet_variables(np.array([1.0, 2.0]), 0.5)
     step = np.array([3.0, 4.0])

@@ -180,13 +180,6 @@ def test_a_chain_past_an_obstacle_keeps_its_start(on_saddle, side):
     assert np.abs(blocked.contact - found.contact[row]).sum(axis=1).min() < 1e-12
 
 
-def test_a_chain_has_at_most_so_many_positions_to_either_side(on_saddle):
-    found, (whole, *_) = on_saddle
-    row = int(np.flatnonzero(found.fits)[0])
-    short = trace_chain(SADDLE, BROAD, found, row, step=1 * MM, most=2, **LOOK)
-    assert len(short) <= 5 < len(whole)
-
-
 @pytest.mark.parametrize(("degrees", "goes_on"), [(13, True), (17, False)])
 def test_the_axis_turns_by_15_degrees_at_most(on_saddle, degrees, goes_on):
     found, _ = on_saddle
@@ -199,14 +192,6 @@ def test_the_axis_turns_by_15_degrees_at_most(on_saddle, degrees, goes_on):
     else:
         with pytest.raises(ValueError, match="found: must be positions of this mill"):
             trace_chain(SADDLE, BROAD, leaning, row, step=1 * MM, **LOOK)
-
-
-def test_positions_of_another_mill_are_refused(on_blade):
-    _, found = on_blade
-    look = {"step": 1 * MM, "tolerance": TOLERANCE}
-    other = replace(MILL, half_angle=0.1, tip_radius=0.1)
-    with pytest.raises(ValueError, match="found: must be positions of this mill on this patch"):
-        trace_chain(BLADE, other, found, int(np.flatnonzero(found.fits)[0]), **look)
 
 
 def axis_of(motion, v):

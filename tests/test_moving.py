@@ -44,9 +44,3 @@ def test_axes_stay_where_the_first_drawing_has_them():
         )
     right = slice(200, None)  # beside the label
     assert np.array_equal(before[:, right], after[:, right]) and not np.array_equal(before, after)
-
-
-def test_drawings_may_stand_for_a_hundredth_of_a_second():
-    shown = moving_picture(dot, [0.2, 0.8], alt="A dot.", milliseconds=10)
-    with PIL.Image.open(io.BytesIO(shown.data)) as picture:
-        assert picture.info["duration"] == 10

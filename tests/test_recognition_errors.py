@@ -28,14 +28,7 @@ from tunneller_lib.envelopes.evidence import (
     zeros,
 )
 from tunneller_lib.envelopes.families import channel, helix, moving_cone, screwing
-from tunneller_lib.envelopes.jet import (
-    Jet,
-    derivative_along,
-    exponents,
-    frobenius,
-    frobenius_along,
-    principal,
-)
+from tunneller_lib.envelopes.jet import Jet, derivative_along, exponents, frobenius, principal
 from tunneller_lib.envelopes.kinds import KINDS, turn_of_eq11
 
 EPS = np.finfo(float).eps
@@ -52,43 +45,6 @@ OFF = Jet(1e-9 * np.abs(jet_of(6).c))
 ANGLES = np.random.default_rng(7).uniform(0, 2 * np.pi, (POINTS, 5))
 
 # ---- derivatives in a turning direction -----------------------------------------------------
-
-
-def tensor(f, degree):
-    """Return all derivatives of one degree (n, 2, .., 2)."""
-    found = np.empty((POINTS, *[2] * degree))
-    for axes in product((0, 1), repeat=degree):
-        found[:, *axes] = f.derivative(degree - sum(axes), sum(axes))
-    return found
-
-
-@pytest.mark.parametrize(("along", "across"), [(1, 0), (1, 1), (3, 0), (2, 1), (1, 3)])
-def test_derivatives_along_directions_are_the_tensors(along, across):
-    angle = ANGLES[:, :1]
-    value = tensor(JET, along + across)
-    first = np.hstack([np.cos(angle), np.sin(angle)])
-    second = np.hstack([-np.sin(angle), np.cos(angle)])
-    for way in [first] * along + [second] * across:
-        value = np.einsum("n...i,ni->n...", value, way)
-    np.testing.assert_allclose(derivative_along(JET, angle, along, across)[:, 0], value, atol=1e-13)
-
-
-@pytest.mark.parametrize("degree", [2, 3, 4])
-def test_sizes_of_derivatives_are_the_tensors_norms_over_a_width_too(degree):
-    norms = np.sqrt((tensor(JET, degree) ** 2).reshape(POINTS, -1).sum(axis=1))
-    np.testing.assert_allclose(frobenius(JET, degree), norms, rtol=1e-14)
-    narrow = 0.1 ** np.array([j for _, j in exponents(4)])[:, None]  # the second variable
-    found = frobenius_along(JET, np.zeros((POINTS, 1)), np.full((POINTS, 1), 0.1), degree)[:, 0]
-    np.testing.assert_allclose(found, frobenius(Jet(JET.c * narrow), degree), rtol=1e-14)
-
-
-def test_principal_directions_are_the_hessians():
-    values, vectors = np.linalg.eigh(tensor(JET, 2))
-    low, high, turn = principal(JET)
-    np.testing.assert_allclose(np.stack([low, high], axis=-1), values, atol=1e-14)
-    across = np.cos(turn) * vectors[:, 1, 0] - np.sin(turn) * vectors[:, 0, 0]
-    np.testing.assert_allclose(across, 0, atol=1e-13)
-    assert np.all((turn >= 0) & (turn <= np.pi))
 
 
 # ---- two conditions of each class -----------------------------------------------------------

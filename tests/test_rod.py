@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from exhibits.exact_shapes import judged, rod_rows
 from exhibits.rod_cases import GENERATORS
 from tests.audit.long import many
 from tests.shapes import EPS
@@ -21,12 +20,6 @@ TOUCHING = {"whole_rims", "far_rims", "tangents", "end_planes", "rim_tangents", 
 def margin(a, b, radius, p, u):
     """Return by how much the docstring lets a rod's surface be off."""
     return 64 * EPS * (radius + frame(a.T, b.T, u.T).run)
-
-
-def judge(found, lines, ends):
-    """Return which answers are missed, thin and thick."""
-    a, b, radius, p, u = lines
-    return judged(found, "rod" if ends == "flat" else "capsule", rod_rows(a, b, radius), p, u)
 
 
 @every_end
@@ -49,55 +42,6 @@ def test_meet_rods_of_many_hard_lines(lines_of, ends):
         noise = 16 * EPS * (np.abs(p).max(axis=-1) + np.abs(np.where(hit, t, 0)) *
                             np.abs(u).max(axis=-1))  # fmt: skip
         assert np.all(np.abs(off[hit]) <= (slack + noise)[hit])
-
-
-@every_end
-@pytest.mark.parametrize("slight", ["tilt", "length"])
-def test_meet_line_of_one_rod_with_a_slight_tilt_or_length(slight, ends):
-    # Many lines of one direction: through rims, the wall, the inside.
-    rng = np.random.default_rng(11)
-    n = 60
-    for i in range(60):
-        u = np.array([(0, 0, 1), (0, -3, 0), (1, 2, -2), rng.normal(size=3)][i % 4], dtype=float)
-        along, radius = u / np.linalg.norm(u), 10.0 ** rng.uniform(-3, 3)
-        aside = np.cross(along, rng.normal(size=3))
-        axis = radius * rng.normal(size=3) * 10.0 ** rng.uniform(-17, -8)
-        if slight == "tilt":
-            axis = radius * (along * 10.0 ** rng.uniform(-1, 4) +
-                             aside * 10.0 ** rng.uniform(-16, -7))  # fmt: skip
-        a = rng.normal(size=3) * radius * (i % 3 == 0 and slight == "tilt")
-        rod = Rod(a, a + axis, radius, ends=ends)
-        side = np.cross(rod.axis, rng.normal(size=(n, 3)))
-        side *= radius / np.linalg.norm(side, axis=-1, keepdims=True)
-        side *= rng.choice([1, 1, 1 - EPS, 1 + EPS, 0.3], (n, 1))
-        p = rod.a + rng.choice([0, 0.5, 1], (n, 1)) * rod.axis + side
-        p += rng.choice([0, 7, 1e6], (n, 1)) * radius * along
-        lines = *np.broadcast_arrays(rod.a, rod.b, p)[:2], np.full(n, radius), p
-        lines = *lines, np.broadcast_to(u, p.shape).copy()
-        assert not np.any(judge(rod.meet_line(p, u), lines, ends))
-
-
-def test_meet_line_edge_cases():
-    rod = Rod((0, 0, 0), (0, 0, 2), 1)
-    cases = {
-        ((1, 0, -5), (0, 0, 1)): (5, 7),  # along the wall
-        ((0.5, 0, -5), (0, 0, -1)): (-7, -5),  # inside, backwards
-        ((1.0000001, 0, -5), (0, 0, 1)): (np.inf, -np.inf),
-        ((-5, 0, 2), (1, 0, 0)): (4, 6),  # in an end's plane
-        ((-5, 1, 2), (1, 0, 0)): (5, 5),  # touches a rim
-        ((-5, 1, 1), (1, 0, 0)): (5, 5),  # touches the wall
-        ((-5, 0, 2.0000001), (1, 0, 0)): (np.inf, -np.inf),
-        ((0, 0, 1), (0, 0, 4)): (-0.25, 0.25),
-    }
-    for (p, u), expected in cases.items():
-        assert rod.meet_line(p, u) == expected
-    segment = Rod((0, 0, 0), (0, 0, 2), 0)
-    assert segment.meet_line((-1, 0, 1), (1, 0, 0)) == (1, 1)
-    assert segment.meet_line((0, 0, -1), (0, 0, 1)) == (1, 3)
-    assert Rod((1, 1, 1), (1, 1, 1), 1).meet_line((0, 1, 1), (1, 0, 0)) == (np.inf, -np.inf)
-    ball = Rod((1, 1, 1), (1, 1, 1), 1, ends="round")
-    assert ball.meet_line((0, 1, 1), (1, 0, 0)) == (0, 2)
-    assert ball.meet_line((0, 2, 1), (1, 0, 0)) == (1, 1)
 
 
 def test_meet_line_touches_the_rim_of_a_nearly_vertical_rod_where_it_is():

@@ -7,8 +7,6 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.integrate import quad
 
-from exhibits.groove_plot import draw_passes
-from kit import figure
 from tests.shapes import log_uniform
 from tunneller_lib.removal import Ground
 from tunneller_lib.removal.volume import (
@@ -37,14 +35,6 @@ def test_bowl_of_a_short_advance_keeps_its_digits():
             lens = 2 * mp.pi * (R**2 * (4 * R - 3 * mp.mpf(c)) / 12 + mp.mpf(c) ** 3 / 48)
             expected = float(4 * mp.pi * R**3 / 3 - 2 * lens)
         assert np.isclose(bowl(0.2, c), expected, rtol=1e-14)
-
-
-@given(st.floats(1e-6, 2), log_uniform(1e-3, 1e3))
-def test_groove_area_is_that_of_the_segment(share, R):
-    g = share * R
-    half = np.arccos(1 - share)
-    area = quad(lambda angle: 2 * (R * np.sin(angle)) ** 2, 0, half)[0]
-    assert np.isclose(groove_area(R, g), area, rtol=1e-8)
 
 
 @pytest.mark.parametrize("share", [1e-15, 1e-9, 1e-3, 0.1, 0.4, 1.0, 1.7])
@@ -101,19 +91,3 @@ def test_wrong_cuts_are_refused():
     }.items():
         with pytest.raises(ValueError, match=f"^{message}"):
             call()
-
-
-@pytest.mark.parametrize("pitch", [0.02, 0.16, 0.5])
-def test_draw_passes_draws_what_is_removed(pitch):
-    radius, depth = 0.2, 0.06
-    _, ax = figure(height=5)
-    draw_passes(ax, radius, depth, pitch)
-    _earlier, taken = ax.collections
-    sector = ax.patches[-1]
-    drawn = 0.0
-    for path in taken.get_paths():
-        x, y = path.vertices.T
-        drawn += abs(np.sum(x * np.roll(y, 1) - y * np.roll(x, 1))) / 2
-    assert np.isclose(drawn, groove_area(radius, depth, pitch=pitch), rtol=0.02)
-    half = np.radians(sector.theta2 - sector.theta1) / 2
-    assert np.isclose(half, np.arccos(1 - depth / radius))

@@ -9,9 +9,7 @@ that every input of the table is a double and every answer belongs to just these
 
 import csv
 import math
-import os
 import random
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -272,15 +270,11 @@ def main():
     from .geodesic_families import FAMILIES
 
     mp.dps = DIGITS
-    table, beside = [COLUMNS], TABLE.with_suffix(".part")
-    for family, (count, _) in FAMILIES.items():
-        for number, cells in enumerate(rows(family), start=1):
-            table.append(cells)
-            print(f"\r{family}: {number} of {count}  ", end="", file=sys.stderr, flush=True)
-        print(file=sys.stderr)
-    with open(beside, "w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(table)
-    os.replace(beside, TABLE)
+    with open(TABLE, "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for family in FAMILIES:
+            writer.writerows(rows(family))
 
 
 if __name__ == "__main__":
