@@ -334,11 +334,7 @@ def cone_vertex(point: Point, centre: Centre, a: Coordinate, b: Coordinate):
 
     Parameters
     ----------
-    point : (3,) float
-        The conic's point at t = 0, its third coordinate in m.
-    centre : (2,) float
-        (u, v), from that point to the circle's centre.
-    a, b : float
+    point, centre, a, b : (3,) float, (2,) float, float, float
         As in `conic`, in m.
 
     Returns

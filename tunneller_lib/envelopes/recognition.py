@@ -347,12 +347,8 @@ def searched(kind, f, runs, window, size):
 
     Parameters
     ----------
-    kind : Envelope
-        Of tools with a size.
-    f : Jet
-        In adapted frames, at n points.
-    runs : Jet
-        The same `RUNS` times over, each time rounded at random.
+    kind, f, runs : Envelope, Jet, Jet
+        As of `given`.
     window : float
         By how much the normals of the points differ.
     size : float or None
