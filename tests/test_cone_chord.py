@@ -12,8 +12,6 @@ from scipy.integrate import quad
 from tests.shapes import log_uniform
 from tunneller_lib.paths import ConeChord
 
-EXAMPLE = ConeChord(1, 1, 0.5, 0.25)
-
 lengths = log_uniform(0.1, 10)
 fractions = st.floats(-3, 3).filter(lambda f: 0.01 < abs(2 * f - round(2 * f)))
 chords = st.builds(ConeChord, lengths, lengths, lengths, fractions)
@@ -21,11 +19,6 @@ chords = st.builds(ConeChord, lengths, lengths, lengths, fractions)
 
 def ends(chord):
     return chord.cone.point(chord.ends, [0.0, chord.turn])
-
-
-def test_lengths_of_the_example():
-    assert EXAMPLE.geodesic_length == pytest.approx(1.26963314, abs=5e-9)
-    assert EXAMPLE.path_length == pytest.approx(1.27092977, abs=5e-9)
 
 
 @given(chords)

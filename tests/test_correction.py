@@ -133,21 +133,11 @@ def test_constants_of_the_rules(short):
 
 def rates(row):
     """Return kappa tau' and kappa' tau along a geodesic, by central differences."""
-    torus = Torus(row["r"], row["R"])
-    step = 1e-4 * row["R"]
-    azimuths = [row["azimuth"] + np.pi, row["azimuth"]]
-    geodesic = geodesic_direct(torus, (0, row["phi"]), azimuths, step)
-    where = [(geodesic.position[0, -1], geodesic.azimuth[0, -1] - np.pi),
-             ((0, row["phi"]), row["azimuth"]),
-             (geodesic.position[1, -1], geodesic.azimuth[1, -1])]  # fmt: skip
-    bend, twist = np.transpose([bent(torus, *place) for place in where])
+    torus, step = Torus(row["r"], row["R"]), 1e-4 * row["R"]
+    way = geodesic_direct(torus, (0, row["phi"]), row["azimuth"], [-step, 0, step])
+    q, along = way.position[:, -1], way.tangent[:, -1]
+    bend, twist = torus.normal_curvature(q, along), torus.geodesic_torsion(q, along)
     return bend[1] * (twist[2] - twist[0]) / (2 * step), (bend[2] - bend[0]) / (2 * step) * twist[1]
-
-
-def bent(torus, position, azimuth):
-    along, around = torus.curvatures(*position)
-    cos, sin = np.cos(azimuth), np.sin(azimuth)
-    return cos**2 * along + sin**2 * around, sin * cos * (along - around)
 
 
 def test_simpson_s_rules_are_worse_at_the_corners():

@@ -59,25 +59,6 @@ def test_requirements_are_necessary_and_sufficient(machine, a):
     assert all(need.met for need in needed) == reaches(machine, egg)
 
 
-@settings(max_examples=200)
-@given(machines, st.floats(0.3, 0.6))
-def test_sine_of_theta_grows_all_the_way_from_crown_to_floor(machine, a):
-    # The step by which the inequalities are sufficient (`Machine.requirements`).
-    bend, width, crown, floor = machine.requirements(Egg(a))
-    if not (bend.met and width.met and crown.met and floor.met):
-        return
-    profile = Egg(a).offset(machine.offset)
-    for arc, k in zip(profile.arcs, range(4), strict=True):
-        s = np.linspace(profile.blends[k], profile.blends[k + 1], 50)[1:-1]
-        y, z = profile.point(s).T
-        turned = profile.normal(s)[:, 0] * arc.radius  # y - y0
-        assert np.all(arc.radius * np.abs(y) <= machine.R * np.abs(turned) * (1 + 1e-12))
-    left = np.linspace(profile.blends[1] / 2, (profile.blends[2] + profile.blends[3]) / 2, 400)
-    y, z = profile.point(left).T
-    sine = (machine.height - z) / (machine.r + np.sqrt(machine.R**2 - y**2))
-    assert np.all(np.diff(sine) > 0) and np.max(np.abs(sine)) <= 1
-
-
 def test_requirements_of_the_reference_machine_hold():
     needed = REFERENCE_MACHINE.requirements(EGG)
     assert [str(need).split(",")[0] for need in needed] == ["bend", "width", "crown", "floor"]
