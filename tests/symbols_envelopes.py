@@ -107,6 +107,12 @@ def cone_points(vertex, axis, half_angle, n=9):
     return plane_to_point(*cone_planes(vertex, axis, half_angle, 2 * np.pi * np.arange(n) / n))
 
 
+def conic_of(cones, k, n=9):
+    """Return points of the planes of a found cone, and the centre of the circle below them."""
+    points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], cones.half_angle, n)
+    return points, circle_centre(points)
+
+
 CUBIC = F("xxx") * u**3 + 3 * F("xxy") * u**2 * v + 3 * F("xyy") * u * v**2 + F("yyy") * v**3
 EQ10 = (F("x") * v - F("y") * u, F("x") * u + F("y") * v
         + F("xx") * v**2 - 2 * F("xy") * u * v + F("yy") * u**2)  # fmt: skip

@@ -52,18 +52,6 @@ def test_circuit_lies_on_both_surfaces(pitch, yaw, scale):
             assert abs(tunnel[2] + machine.height - wanted[1]) <= 1e-12 * scale
 
 
-@pose
-def test_circuit_takes_the_greatest_x(pitch, yaw):
-    circuit = of(WIDE, pitch, yaw)
-    s = np.linspace(0, circuit.profile.perimeter, 50)
-    points = circuit.in_tunnel(circuit.point(s))
-    beyond = points + np.linspace(1e-6, 3, 200)[:, None, None] * np.array([1, 0, 0])
-    with mp.workdps(30):
-        back = np.array(rotation(pitch, yaw).T.tolist(), dtype=float)
-    machine_frame = (beyond - [0, 0, WIDE.height]) @ back.T
-    assert np.all(WIDE.torus.implicit(machine_frame) > 0)
-
-
 def test_extremes_of_the_reference_circuit():
     circuit = of(REFERENCE_MACHINE)
     blends, roof = circuit.profile.blends, np.pi / 2 * 0.32

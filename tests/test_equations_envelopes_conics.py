@@ -121,9 +121,8 @@ def test_prop11_contact_orders(judge):
     jet = shared.example(*jet_variables(0.5, 0.3))
     orders, as_said = [], []
     for k in range(6):
-        points = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
         here = isotropic.plane_to_point(cones.normal[k], -cones.normal[k] @ cones.contact[k])
-        centre = shared.circle_centre(points) - here[:2]
+        centre = shared.conic_of(cones, k)[1] - here[:2]
         _, a, b = isotropic.osculating_conic(centre, jet)
         gaps = []
         for step in np.array([2e-3, 4e-3]) / np.hypot(*centre):
@@ -210,8 +209,7 @@ def test_theorem13_conics_of_fourth_order_stay_in_the_graph(judge):
     here = isotropic.plane_to_point(cones.normal[0], -cones.normal[0] @ cones.contact[0])
     fourth, gaps, others = np.abs(cones.order4) < 1e-9, [], []
     for k in range(len(cones)):
-        points = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE, 40)
-        centre = shared.circle_centre(points)
+        points, centre = shared.conic_of(cones, k, 40)
         turn = np.angle(((points[:, :2] - centre) @ [1, 1j]) / ((here[:2] - centre) @ [1, 1j]))
         arc = points[(np.abs(turn) < 1.5) & (np.hypot(*points[:, :2].T) > 1e-3)]
         gap = np.abs(arc[:, 2] - shared.example(arc[:, 0], arc[:, 1])).max()

@@ -14,7 +14,6 @@ from tests.envelopes_zoo import GRID
 from tests.symbols_envelopes import ANGLE, EQ11, EX31, NAMES, F, W, g, p, t, tan, u, v, x, y, zero
 from tunneller_lib import milling
 from tunneller_lib.envelopes import fit_surface, hyperosculating_cones, isotropic
-from tunneller_lib.envelopes.jet import differentiated, jet_variables
 from tunneller_lib.envelopes.measured import mean_frame
 from tunneller_lib.milling.faces import BladeRing
 
@@ -38,8 +37,7 @@ def test_example31_two_generators(judge):
     assert not cones.gouges[exact].any()
     over = []
     for k in np.flatnonzero(exact):
-        points = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
-        centre = shared.circle_centre(points)
+        points, centre = shared.conic_of(cones, k)
         over.append(np.isclose(np.hypot(*centre), 0.5 / np.tan(ANGLE)))  # through the origin
         radius = np.linalg.norm(points[:, :2] - centre, axis=1)
         over.append(np.allclose(radius, 0.5 / np.tan(ANGLE), rtol=1e-9))
@@ -92,6 +90,9 @@ def test_example31_four_principal_positions(judge):
     assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
     f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
     r = sp.Matrix(isotropic.contact_point(x, y, f_, fx, fy))
+    fractions = np.random.default_rng(31).integers(-20, 21, (20, 3)).tolist()
+    places = [dict(zip((x, y, t), (sp.Rational(2 * n + 1, 9) for n in row), strict=True))
+              for row in fractions]  # fmt: skip
     touch, gouge = [], []
     for line, shift in zip(PRINCIPAL, (y, x), strict=True):
         along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
@@ -106,35 +107,15 @@ def test_example31_four_principal_positions(judge):
                     1 - (x + 2 * here[u]) ** 2 - (y + 2 * here[v]) ** 2]  # fmt: skip
         side = sp.factor(sp.Matrix(opposite).dot(r - m))  # Proposition 20
         gap = sp.factor(side * on_example31(shared.EQ12).subs(here))
-        # Minus squares, but where square = |shift| cot: there it meets a generator.
-        gouge.append(_is_minus_a_square(gap, (square + shift * t) ** 2))
+        # Below zero, but where square = |shift| cot: there it meets a generator.
+        rest = sp.factor(gap / (square + shift * t) ** 2)
+        gouge += [rest.subs(place) < 0 for place in places]
     assert len(touch) == 2 and all(gouge)
     judge("cones-principal", cases={"third-order contact, twice on each line": all(touch),
                                     "candidates, which don't gouge": not any(gouge)})  # fmt: skip
-    # Principal directions: along the rulings the normal changes in their own direction.
-    cones = hyperosculating_cones(shared.example, 0.9, 0.6, half_angle=ANGLE)
-    X, Y = jet_variables(0.9, 0.6)
-    f4 = shared.example(X, Y)
-    moving = isotropic.contact_point(X, Y, f4, differentiated(f4, 0), differentiated(f4, 1))
-    rates = [np.array([[c.derivative(1, 0), c.derivative(0, 1)] for c in part], float)
-             for part in (moving, isotropic.normal(X, Y))]  # fmt: skip
-    for k in np.flatnonzero(cones.gouges):
-        ruling = cones.contact[k] - cones.vertex[k]
-        step, rest = np.linalg.lstsq(rates[0], ruling, rcond=None)[:2]
-        assert rest.size == 1 and np.all(rest < 1e-20)
-        assert np.linalg.norm(np.cross(rates[1] @ step, ruling)) < 1e-10
-    assert np.count_nonzero(cones.gouges) == 4
-
-
-def _is_minus_a_square(expression, factor):
-    """Return whether a quotient has a factor, and is never above 0."""
-    rest = sp.factor(expression / factor)
-    number, factors = sp.factor_list(sp.numer(rest) * sp.denom(rest))
-    odd = [sp.Poly(base) for base, power in factors if power % 2]
-    return number < 0 and all(
-        min(base.coeffs()) > 0 and not any(n % 2 for powers in base.monoms() for n in powers)
-        for base in odd
-    )
+    # Principal directions: f_ew is zero on both lines, and on no other.
+    mixed = sp.factor(on_example31(shared.EQ25))
+    assert zero(mixed + 2 * PRINCIPAL[0] * PRINCIPAL[1] / square**3)
 
 
 def test_numbers_of_cones_by_sturms_rule(judge):

@@ -153,11 +153,6 @@ def test_definition8_contact_of_a_curve_and_a_graph(judge):
             within = sp.Matrix([held, up, graph(held, up)])
             as_said.append(min(orders(sp.expand(e), t) for e in curve - within) == n)
     judge("cones-def8", len(as_said) == 25 and all(as_said))
-    # A tangent has order 1, a curve in the graph every one.
-    slope = [graph(x, y).diff(e).subs({x: 0, y: 1}) for e in (x, y)]
-    line = sp.Matrix([t, 1 - t, graph(0, 1) + (slope[0] - slope[1]) * t])
-    assert orders(sp.expand(line[2] - graph(line[0], line[1])), t) == 1
-    assert orders(sp.expand(graph(t, t) - graph(t, t)), t) == 5
 
 
 def test_planes_through_a_tangent(judge):
@@ -255,10 +250,6 @@ def test_third_order_contact_is_not_always_free(judge):
         graph = 12 * x**2 - 12 * y**2 + fourth * x**4
         residual, inside = _within_the_cone(graph, (0, 0), (0, 1))
         assert sp.sign(residual) == sign and all(sp.sign(deep) == -sign for deep in inside[2:])
-        if sign > 0:
-            around = [(i, j) for i in (-2, 0, 1) for j in (-1, 0, 2) if (i, j) != (0, 0)]
-            _, inside = _within_the_cone(graph, (0, 0), (0, 1), around)
-            assert max(inside) < 0
 
 
 def test_curves_in_contact_envelop_surfaces_in_contact_along_a_ruling(judge):
@@ -301,11 +292,11 @@ def _axis_over(place, centre):
     return (two - one).cross(three - one)
 
 
-def _within_the_cone(graph, place, centre, around=None):
+def _within_the_cone(graph, place, centre):
     """Return Eq. 12 on the cone's side, and how deep surface points lie within the cone.
 
     Exactly, for tan(theta) = 1/2: the points over the circle by steps t of 0.1 to 1e-9, depths in
-    powers t^4; or those next to the place in given directions.
+    powers t^4.
     """
     here = dict(zip((x, y, u, v), (*place, *centre), strict=True)) | {tan: sp.Rational(1, 2)}
     jet = {s: sp.sympify(form).subs(here) for s, form in shared.jet_of(graph).items()}
@@ -325,12 +316,9 @@ def _within_the_cone(graph, place, centre, around=None):
     depths = []
     for step in [sp.Rational(1, 10**k) for k in (1, 2, 3, 5, 7, 9)]:
         turn, rise = 2 * step / (1 + step**2), 2 * step**2 / (1 + step**2)  # sin, 1 - cos
-        moves = [(e * turn + c * rise, e * rise - c * turn)] if around is None else [
-            (step * i, step * j) for i, j in around]  # fmt: skip
-        for move in moves:
-            out = touch(place[0] + move[0], place[1] + move[1]) - vertex
-            deep = out.dot(axis) ** 2 / axis.dot(axis) - sp.Rational(4, 5) * out.dot(out)
-            depths.append(deep / step**4)
+        out = touch(place[0] + e * turn + c * rise, place[1] + e * rise - c * turn) - vertex
+        deep = out.dot(axis) ** 2 / axis.dot(axis) - sp.Rational(4, 5) * out.dot(out)
+        depths.append(deep / step**4)
     return twelve * side, depths
 
 

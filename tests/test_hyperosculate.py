@@ -102,21 +102,6 @@ def test_cones_move_with_the_surface(scale):
     np.testing.assert_allclose(b.axis, a.axis @ turn.T, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", MOTIONS)
-def test_generator_of_an_envelope_is_among_its_cones(name):
-    cones = hyperosculating_cones(moving_cone(MOTIONS[name], 0.35), *GRID, half_angle=0.35,
-                                  model="space")  # fmt: skip
-    vertex, _, axes, _ = MOTIONS[name](GRID[1])
-    for i in range(GRID[0].size):
-        rows = np.flatnonzero(cones.index == i)
-        at = np.array([np.broadcast_to(c, 20)[i] for c in vertex])
-        axis = np.array([np.broadcast_to(c, 20)[i] for c in axes[0]])
-        near = rows[np.linalg.norm(cones.vertex[rows] - at, axis=-1).argmin()]
-        np.testing.assert_allclose(cones.vertex[near], at, atol=1e-9)
-        assert abs(cones.axis[near] @ axis) == pytest.approx(1, abs=1e-12)
-        assert abs(cones.order4[near]) < 1e-10
-
-
 @pytest.mark.parametrize(("order", "C", "gouges"), [
     (5, 200, True), (5, -200, True), (6, -200, True), (6, 200, False),
 ])  # fmt: skip
