@@ -8,26 +8,14 @@ from itertools import product
 import numpy as np
 import sympy as sp
 
-a, x, y, tau = sp.symbols("a x y tau", real=True)
-F = {(i, j): sp.Symbol(f"f{'x' * i}{'y' * j}", real=True) for i in range(6) for j in range(6 - i)}
+from tests.symbols_envelopes import EVERY as F
+from tests.symbols_envelopes import p, x, y
+
+a, tau = sp.symbols("a tau", real=True)
 e = sp.cos(a), sp.sin(a)
 w = -sp.sin(a), sp.cos(a)
-p = 1 + x**2 + y**2
 xe = x * e[0] + y * e[1]
 xw = x * w[0] + y * w[1]
-
-
-def D(way, expression):
-    """Return the derivative of an expression in x, y and derivatives of f, a and the way fixed."""
-    moved = 0
-    for part, place, step in ((way[0], x, (1, 0)), (way[1], y, (0, 1))):
-        slope = expression.diff(place)
-        for (i, j), symbol in F.items():
-            higher = i + step[0], j + step[1]
-            if symbol in expression.free_symbols:
-                slope += expression.diff(symbol) * F[higher]
-        moved += part * slope
-    return moved
 
 
 def form(*ways):

@@ -13,7 +13,8 @@ from mpmath import mp
 
 from tests import symbols_open as shared
 from tests.envelopes_zoo import CURVES, GRID, RULED, pipe, ruled
-from tests.symbols_open import SLOPE, D, F, M, a, e, form, kappa, p, q, qa, tau, w, x, xe, xw, y
+from tests.symbols_envelopes import D, p, x, y
+from tests.symbols_open import SLOPE, F, M, a, e, form, kappa, q, qa, tau, w, xe, xw
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
 from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope

@@ -5,8 +5,8 @@ import pytest
 from mpmath import mp
 
 from tests import symbols_open as shared
-from tests.symbols_envelopes import EQ9, EQ11, EQ12, EQ25, UT, VT, at, eq14
-from tests.symbols_open import D, a, e, form, kappa, p, q, qa, qaa, rho, vanishes, w, xe
+from tests.symbols_envelopes import EQ9, EQ11, EQ12, EQ25, UT, VT, D, at, eq14, p
+from tests.symbols_open import a, e, form, kappa, q, qa, qaa, rho, vanishes, w, xe
 from tests.test_equations_envelopes_open import bending
 from tunneller_lib.envelopes import hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.families import cyclide

@@ -14,7 +14,8 @@ from scipy.optimize import brentq
 
 from tests.audit.long import many
 from tests.envelopes_random import member, near_miss, placed, window
-from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
+from tests.symbols_envelopes import D, x, y
+from tests.symbols_open import F, M, a, e, form, kappa, q, qa, tau, w
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
 from tunneller_lib.envelopes.evidence import (
