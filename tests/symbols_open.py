@@ -40,14 +40,12 @@ def vanishes_at_fractions(expression):
     """
     rng = np.random.default_rng(15)
     symbols = sorted(expression.free_symbols - {a}, key=str)
-    cosine, sine = sp.symbols("cosine sine")
-    plain = expression.xreplace({sp.cos(a): cosine, sp.sin(a): sine})
-    value = sp.lambdify([cosine, sine, *symbols], plain, "sympy")
     for _ in range(3):
-        m, n, *values = rng.integers(1, 10**6, 2 + len(symbols)).tolist()
-        square = m * m + n * n
-        around = sp.Rational(m * m - n * n, square), sp.Rational(2 * m * n, square)
-        if value(*around, *map(sp.Integer, values)) != 0:
+        m, n, *values = map(sp.Integer, rng.integers(1, 10**6, 2 + len(symbols)).tolist())
+        here = dict(zip(symbols, values, strict=True))
+        here[sp.cos(a)] = (m * m - n * n) / (m * m + n * n)
+        here[sp.sin(a)] = 2 * m * n / (m * m + n * n)
+        if sp.expand(expression.xreplace(here)) != 0:
             return False
     return True
 

@@ -264,17 +264,18 @@ def test_blocks_have_the_same_bits_on_any_number_of_cores(cores, monkeypatch):
     monkeypatch.setattr(blocks, "COMPILED", 100)
     rng = np.random.default_rng(5)
     p, q = rng.uniform(-1, 1, (2, 730, 2))
-    way = geodesic_inverse(SHEET, p, q)
-    ends = geodesic_direct(SHEET, p, way.azimuth1, way.length, 3)
-    rod = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2)
     point, direction = rng.normal(size=(2, 730, 3))
-    enter, leave = rod.meet_line(point, direction)
+    rod = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2)
+
+    def answers(i):
+        way = geodesic_inverse(SHEET, p[i], q[i])
+        ends = geodesic_direct(SHEET, p[i], way.azimuth1, way.length, 3).position
+        return way.length, way.azimuth1, ends, *rod.meet_line(point[i], direction[i])
+
+    together = answers(slice(None))
     for i in (0, 99, 100, 729):
-        one = geodesic_inverse(SHEET, p[i], q[i])
-        assert (one.length, one.azimuth1) == (way.length[i], way.azimuth1[i])
-        alone = geodesic_direct(SHEET, p[i], way.azimuth1[i], way.length[i], 3)
-        np.testing.assert_array_equal(alone.position, ends.position[i])
-        assert rod.meet_line(point[i], direction[i]) == (enter[i], leave[i])
+        for every, one in zip(together, answers(i), strict=True):
+            np.testing.assert_array_equal(every[i], one)
 
 
 def test_little_work_loads_no_compiler():

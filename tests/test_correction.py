@@ -140,13 +140,6 @@ def rates(row):
     return bend[1] * (twist[2] - twist[0]) / (2 * step), (bend[2] - bend[0]) / (2 * step) * twist[1]
 
 
-def test_simpson_s_rules_are_worse_at_the_corners():
-    p, q = pairs()
-    for path in SHORT_CHORD_PATHS.values():
-        worst = excess(MACHINE.torus, path, p, q).max()
-        assert worst == pytest.approx(1450.66e-6, rel=1e-4)
-
-
 def test_corrected_chord_is_its_path():
     p, q = pairs(100)
     way = corrected_chord(MACHINE.torus, p, q, 7)

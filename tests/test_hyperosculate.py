@@ -263,25 +263,3 @@ def test_terms_that_all_but_vanish_are_compared_with_a_thousandth_of_the_forms()
     expected = RHO**2 * 24 * small / (1e-3 * floor)
     flat = cones.order4[cones.multiplicity == 3]
     assert flat == pytest.approx(np.full(len(flat), expected), rel=1e-3) and len(flat) == 2
-
-
-# ---- numbers of the report, by ways of their own ------------------------------------------------
-
-
-def test_deepest_gouge_in_a_disc_is_that_of_a_formula_of_its_own():
-    """Of Example 31 within 0.1 m of the contact at (0.5, 0.3): 0.25 mm, and nothing of squares."""
-    point = np.array([0.5, 0.3])
-    cones = hyperosculating_cones(cyclide, *point, half_angle=ANGLE)
-    x, y = point[:, None, None] + np.meshgrid(*[np.linspace(-0.13, 0.13, 301)] * 2)
-    patch = surface_points(cyclide, x, y)
-    from_contact = patch - cones.contact[0]
-    along = from_contact @ cones.normal[0]
-    near = np.sqrt(np.sum(from_contact**2, axis=-1) - along**2) <= 0.1
-    depths = []
-    for cone in cones:
-        arm = patch - cone.pose.vertex
-        high = arm @ cone.pose.axis
-        wide = np.sqrt(np.sum(arm**2, axis=-1) - high**2)
-        depths.append(1e3 * (high * np.sin(ANGLE) - wide * np.cos(ANGLE))[near].max())
-        assert (depths[-1] > 1e-6) == (cone.verdict == "gouges")
-    assert np.max(depths) == pytest.approx(0.248, abs=0.003)

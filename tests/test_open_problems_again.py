@@ -8,11 +8,11 @@ series, with no use of the proofs, and seen in space: one counterexample would d
 import numpy as np
 import pytest
 import sympy as sp
-from mpmath import mp
 from scipy.integrate import solve_ivp
 
 from tests.audit.long import many
 from tests.series_open import Equations, series, solved
+from tests.symbols_open import vanishes_at_fractions
 from tunneller_lib.envelopes.isotropic import contact_point, normal
 
 # ---- by complex numbers: another way to each identity ------------------------------------------
@@ -56,17 +56,7 @@ def once_round(expression):
 
 
 def same(left, right):
-    """Tell whether two expressions agree at random complex places, in 50 digits."""
-    symbols = sorted(left.free_symbols | right.free_symbols, key=str)
-    values = sp.lambdify(symbols, [left, right], "mpmath")
-    rng = np.random.default_rng(30)
-    with mp.workdps(50):
-        for _ in range(3):
-            at = [mp.mpc(*pair) for pair in rng.uniform(0.5, 1.5, (len(symbols), 2))]
-            one, other = values(*at)
-            if abs(one - other) > mp.mpf(10) ** -44 * (1 + abs(one)):
-                return False
-    return True
+    return vanishes_at_fractions(left - right)
 
 
 def test_contact_along_a_conic_is_one_derivation():
