@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from tunneller_lib.paths import geodesic_root
-from tunneller_lib.surfaces import Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 EPS = np.finfo(float).eps
 
@@ -20,6 +20,16 @@ TORI = (
     Torus(3e-3, 1e-3),
     Torus(2e5, 1e6),
 )
+
+
+# theta and phi at the machine's joint limits.
+LOW = REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min
+HIGH = REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max
+
+
+def joint_pairs(n, seed=0):
+    """Return random pairs of positions (2, n, 2) within the machine's joint limits."""
+    return np.random.default_rng(seed).uniform(LOW, HIGH, (2, n, 2))
 
 
 def log_uniform(low, high):

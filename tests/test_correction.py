@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.references import short_chords
+from tests.shapes import HIGH, LOW, joint_pairs
 from tunneller_lib.paths import (
     CHORD_PATHS,
     SHORT_CHORD_PATHS,
@@ -20,14 +21,13 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 READS = ["tests/references/*"]
 
 MACHINE = REFERENCE_MACHINE
-LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
 CORRECTED = CHORD_PATHS["corrected chord"]
 EVERY_PATH = CHORD_PATHS | SHORT_CHORD_PATHS
 
 
 def pairs(n=1_000, seed=0):
     """Return random pairs of positions, and those of a grid with the joint limits' corners."""
-    p, q = np.random.default_rng(seed).uniform(LOW, HIGH, (2, n, 2))
+    p, q = joint_pairs(n, seed)
     grid = np.stack(np.meshgrid(*np.linspace(LOW, HIGH, 5).T, indexing="ij"), -1).reshape(-1, 2)
     first, second = np.triu_indices(len(grid), 1)
     return np.concatenate([p, grid[first]]), np.concatenate([q, grid[second]])

@@ -97,15 +97,6 @@ def test_fig5_hyperosculation_of_a_developable(judge):
         left = away.subs(dict.fromkeys(q, 0))
         assert zero(left + (bend * twist if order == 3 else 0))
 
-    # So a helix', though the normals of its planes are those of a cone.
-    def helix(s):
-        return CURVES["helix"](s)[0]
-
-    vertex, axis, angle = osculating_cone(helix, 0.6)
-    n, h = tangent_planes(helix, 0.6 + np.array([0.01, 0.02]))
-    assert np.allclose(n @ axis, np.sin(angle), atol=1e-14)
-    assert abs(np.log2((n @ vertex + h)[1] / (n @ vertex + h)[0]) - 3) < 0.01
-
 
 def test_fig6_common_plane(judge):
     """Surface and cone have the plane and the ruling; their neighbours part at third order."""

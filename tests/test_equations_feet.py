@@ -11,20 +11,14 @@ import numpy as np
 import sympy as sp
 
 from tests import symbols_tunneller as shared
+from tests.shapes import joint_pairs
 from tests.symbols_tunneller import TORI, R, close, m1, m2, m3, n1, n2, n3, r, t, u, zero
 from tunneller_lib.paths import project_chord
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+from tunneller_lib.surfaces import Torus
 
 READS = ["report/ledger/*"]
 
 DEGREES = sp.pi / 180
-
-
-def positions(seed, count):
-    """Return joint positions within the machine's limits."""
-    low = REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min
-    high = REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max
-    return np.random.default_rng(seed).uniform(low, high, (count, 2))
 
 
 def feet_product():
@@ -222,7 +216,7 @@ def test_greatest_n1_foot(judge):
 
     greatest, least = [], []
     for torus in (Torus(1, 2.5), Torus(1, 8), Torus(1, 10)):
-        ends = torus.point(*positions(14, 4000).T).reshape(2, 2000, 3)
+        ends = torus.point(*joint_pairs(2000, 14).T).swapaxes(0, 1)
         share = np.random.default_rng(15).uniform(size=(2000, 1))
         centres = ends[0] + share * (ends[1] - ends[0])
         greatest.append(is_working(np.argmax, torus, centres))
