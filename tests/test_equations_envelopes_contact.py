@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 
 from tests import symbols_envelopes as shared
 from tests.symbols_envelopes import ANGLE, EQ13, EX31, example, t, tan, x, y
-from tunneller_lib.envelopes import ConePose, hyperosculating_cones, isotropic
+from tunneller_lib.envelopes import hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.adapted import adapted_frames, tangent_graph
 from tunneller_lib.envelopes.jet import jet_variables
 
@@ -183,16 +183,13 @@ def milled_width(place, start, beta, tolerance=1e-5):
     points = np.stack(saddle(*across.T), axis=-1)
     cones = hyperosculating_cones(saddle, *row.T, half_angle=ANGLE, model="space")
     picked = {125: np.flatnonzero(cones.index == 125)[start]}
-    for i, before in [*((i, i - 1) for i in range(126, 251)),
-                      *((i, i + 1) for i in range(124, -1, -1))]:  # fmt: skip
+    for i in [*range(126, 251), *range(124, -1, -1)]:  # outwards, each next to the last one
         there = np.flatnonzero(cones.index == i)
-        steps = np.linalg.norm(cones.vertex[there] - cones.vertex[picked[before]], axis=-1)
+        before = cones.vertex[picked[i - 1 if i > 125 else i + 1]]
+        steps = np.linalg.norm(cones.vertex[there] - before, axis=-1)
         picked[i] = there[np.argmin(steps)]
         assert steps.min() < 0.02
-    left = np.array([
-        ConePose(cones.vertex[k], cones.axis[k], ANGLE, 0, 3 * cones.distance[k]).clearance(points)
-        for k in picked.values()
-    ]).min(axis=0)  # fmt: skip
+    left = np.min([cones[k].tool(10, 10).clearance(points) for k in picked.values()], axis=0)
     assert left.min() > -1e-6 and left[[0, -1]].min() > tolerance
     # Where the rest passes the tolerance, outwards from the row, by its fourth root.
     fourth = np.maximum(left, 0) ** 0.25

@@ -80,15 +80,10 @@ def test_figure_one(judge):
     judge("fig1", missing="the photograph: the text handed down has the caption alone")
     # The substitute's parts sit where the text puts the joints and the cutter.
     for pose in np.radians([(0, 0), (-50, 30), (30, -40)]):
-        centre = MACHINE.torus.point(*pose)
         hinge = MACHINE.r * np.array([np.cos(pose[0]), 0, -np.sin(pose[0])])
-        meshes = [mesh for mesh, _ in machine_model(MACHINE, *pose)]
-        middles = np.array([mesh.center for mesh in meshes])
-        balls = [m for m in meshes if np.ptp(np.linalg.norm(m.points - centre, axis=1)) < 1e-6]
-        assert len(balls) == 1 and balls[0].n_points > 1000
-        assert np.min(np.linalg.norm(middles, axis=1)) < 1e-9  # the horizontal joint's pin
-        assert np.min(np.linalg.norm(middles - hinge, axis=1)) < 1e-7  # the tangential joint's
-        assert abs(np.linalg.norm(centre - hinge) - MACHINE.R) < 1e-12
+        middles = np.array([mesh.center for mesh, _ in machine_model(MACHINE, *pose)])
+        for place in ((0, 0, 0), hinge, MACHINE.torus.point(*pose)):  # both joints, the cutter
+            assert np.min(np.linalg.norm(middles - place, axis=1)) < 1e-7
     assert any(look is BODY for _, look in machine_model(MACHINE, 0.0, 0.0))
 
 

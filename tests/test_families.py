@@ -8,7 +8,6 @@ import pytest
 from tests.envelopes_zoo import CURVES, MOTIONS, RULED
 from tunneller_lib.envelopes import (
     adapted_frames,
-    families,
     hyperosculating_cones,
     jet_variables,
     model_jet,
@@ -109,7 +108,6 @@ def test_swept_ball_lies_at_its_radius_across_the_path():
 S, T = np.random.default_rng(0).uniform(0.2, 0.8, (2, 14))
 NONSENSE = {
     "nothing": None,
-    "a wrong shape": [np.ones(5), np.ones(5), np.ones(5)],
     "a masked array": [np.ma.masked_array([1.0], [1]), 1.0, 1.0],
     "jets of other points": [*jet_variables(np.ones(3), 1.0), 1.0],
     "a complex jet": [Jet(np.ones((15, 14), dtype=complex)), 1.0, 1.0],
@@ -121,7 +119,6 @@ DOORS = {
     "f": lambda f: surface_points(f, S, T),
     "curve": lambda f: curve_derivatives(f, S),
     "motion": lambda f: moving_cone(f, 0.3)(*jet_variables(S, T)),
-    "curve, channel": lambda f: families.channel(f, 0.3)(S, T),
     "lines": lambda f: ruled(f)(S, T),
     "vertex": lambda f: turning(f, f, 0.3)(S),
 }

@@ -174,12 +174,6 @@ def changed(index, **fields):
         (changed(0, sweep=np.pi + 2e-6), "never turn to the right; 2 of 6 begins with 0.000115"),
         (changed(2, radius=-0.25), "a length and a radius above 0; 3 hasn't"),
         (2 * CIRCLE, "they turn by 720 deg"),
-        (
-            [Line(-1.0, -1.0, 0.0, 2.0), Line(1.0, -1.0, QUARTER, 2.0), Line(1.0, 1.0, np.pi, 1.0),
-             Line(0.0, 1.0, -QUARTER, 1.0), Line(0.0, 0.0, np.pi, 1.0),
-             Line(-1.0, 0.0, -QUARTER, 1.0)],
-            "must never turn to the right; 5 of 6 begins with 90 deg",
-        ),
     ],
 )  # fmt: skip
 def test_closed_profile_refuses_with_a_reason(pieces, message):
