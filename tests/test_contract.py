@@ -95,8 +95,9 @@ class Call:
         """Return valid arguments: those of the examples, else what is usual for their rules."""
         given = EXAMPLES[self.room].CALLS.get(self.name, {})
         found = dict(given() if callable(given) else given)
-        if not given and is_dataclass(self.function) and (one := shown(self.function)):
-            found = {name: getattr(one, name) for name in self.parameters}
+        if not given and is_dataclass(self.function):
+            one = instance(self.function)
+            found = {name: getattr(one, name) for name in self.parameters if hasattr(one, name)}
         for name, about in self.parameters.items():
             if name not in found and about.default is inspect.Parameter.empty:
                 found[name] = usual(about.annotation)

@@ -13,7 +13,7 @@ from mpmath import mp
 
 from tests import symbols_open as shared
 from tests.envelopes_zoo import CURVES, GRID, RULED, pipe, ruled
-from tests.symbols_envelopes import D, p, x, y
+from tests.symbols_envelopes import D, jet_of, p, x, y
 from tests.symbols_open import SLOPE, F, M, a, e, form, kappa, q, qa, tau, w, xe, xw
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
@@ -225,20 +225,16 @@ def directions(*forms):
     return {sp.simplify(sp.sin(*angle)) for angle in found}
 
 
-def put_in(graph, expression):
-    """Return an expression of a graph that is given by its formula."""
-    for (i, j), symbol in F.items():
-        if symbol in expression.free_symbols:
-            slope = graph.diff((x, i), (y, j)) if i + j else graph
-            expression = expression.subs(symbol, slope)
-    return expression
+def paraboloid():
+    """Return c = grad f - lambda x and d of the paraboloid (7) with lambda = f_ee that touches."""
+    c = [slope - form(e, e) * place for slope, place in zip(SLOPE, (x, y), strict=True)]
+    return c, F[0, 0] - form(e, e) * (x**2 + y**2) / 2 - c[0] * x - c[1] * y
 
 
 def test_problem30_channels(judge):
     # With f_ew = f_eee = 0 along e: lambda = f_ee, c = grad f - lambda x and the paraboloid's
     # height d stay, so that one paraboloid (7) touches along the curve.
-    c = [slope - form(e, e) * place for slope, place in zip(SLOPE, (x, y), strict=True)]
-    d = F[0, 0] - form(e, e) * (x**2 + y**2) / 2 - c[0] * x - c[1] * y
+    c, d = paraboloid()
     change = form(e, e, e) + 2 * turn * form(e, w)
     steps = [shared.vanishes(along(form(e, e)) - change)]
     for k, place in enumerate((x, y)):
@@ -247,7 +243,7 @@ def test_problem30_channels(judge):
     # With the clauses: 1 + y^3 solves (26), in the direction of straight top views alone, and so
     # has no conic over a circle.
     graph = 1 + y**3
-    sines = directions(put_in(graph, form(e, w)), put_in(graph, form(e, e, e)))
+    sines = directions(form(e, w).subs(jet_of(graph)), form(e, e, e).subs(jet_of(graph)))
     judge("cones-problem30-channels", sines != {0}, right=all(steps))
     # A second way, fractions: points of that surface by the printed Eq. 20. Those over a line
     # y = const lie on one sphere, which touches z = 0 with the normal (0, 0, -1), and the plane of
@@ -278,8 +274,7 @@ def test_problem30_pipes(judge):
     steps = [shared.vanishes(along(radius) - change)]
     # ... so it's a channel, and the radius of its sphere, lambda/2 + d, is that one: with R
     # constant the curve lies where lambda' (|x|^2 - 1)/2 + c'.x = 0, over a great circle.
-    c = [slope - form(e, e) * place for slope, place in zip(SLOPE, (x, y), strict=True)]
-    d = F[0, 0] - form(e, e) * (x**2 + y**2) / 2 - c[0] * x - c[1] * y
+    c, d = paraboloid()
     steps.append(shared.vanishes(form(e, e) / 2 + d - radius))
     sphere = sp.symbols("n1 n2 n3")
     top = [sphere[0] / (sphere[2] + 1), sphere[1] / (sphere[2] + 1)]
@@ -291,8 +286,8 @@ def test_problem30_pipes(judge):
     far, bend, R = sp.symbols("far bend R", positive=True)
     torus = bend * (x**2 + y**2) / 2 + far * sp.sqrt(x**2 + y**2) + R - bend / 2
     at = {y: 0, x: sp.Rational(2, 3)}  # it is one of revolution
-    eq24 = put_in(torus, p * form(e, e) + 2 * (shared.HEIGHT - R)).subs(at)
-    sines = directions(eq24, put_in(torus, form(e, w)).subs(at))
+    jet, eq24 = jet_of(torus), p * form(e, e) + 2 * (shared.HEIGHT - R)
+    sines = directions(*(part.subs(jet).subs(at) for part in (eq24, form(e, w))))
     judge("cones-problem30-pipes", sines != {0}, right=all(steps))
     # A second way: that torus by its own circles. Spheres of its tube's radius touch it along
     # them, and their planes hold the axis, so they are parallel to (0, 0, -1).

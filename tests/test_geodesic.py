@@ -236,20 +236,6 @@ def test_geodesic_direct_turns_before_a_node(torus, azimuth):
     assert np.cos(way.azimuth[-1]) == pytest.approx(-np.cos(azimuth), rel=0, abs=1e-14)
 
 
-@every_torus
-@pytest.mark.parametrize("power", [-300, 300])
-def test_geodesic_direct_scales_with_the_torus(torus, power):
-    p, _ = random_pairs(torus, 100, seed=12)
-    azimuths = np.linspace(-3, 3, 100)
-    size = 2.0**power
-    way = geodesic_direct(torus, p, azimuths, 5 * torus.R, 4)
-    scaled = Torus(torus.r * size, torus.R * size)
-    far = geodesic_direct(scaled, p, azimuths, 5 * scaled.R, 4)
-    np.testing.assert_array_equal(far.position, way.position)
-    np.testing.assert_array_equal(far.azimuth, way.azimuth)
-    np.testing.assert_allclose(far.point / size, way.point, rtol=1e-14, atol=0)
-
-
 def test_neighbours_of_the_inner_equator_leave_it_by_its_curvature():
     # By Jacobi's equation; the curvature there is -1 / (R (r - R)).
     off, length = 1e-6, np.linspace(0, 6, 7)
