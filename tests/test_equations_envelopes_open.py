@@ -274,7 +274,7 @@ def test_problem30_pipes(judge):
     steps = [shared.vanishes(along(radius) - change)]
     # ... so it's a channel, and the radius of its sphere, lambda/2 + d, is that one: with R
     # constant the curve lies where lambda' (|x|^2 - 1)/2 + c'.x = 0, over a great circle.
-    c, d = paraboloid()
+    _, d = paraboloid()
     steps.append(shared.vanishes(form(e, e) / 2 + d - radius))
     sphere = sp.symbols("n1 n2 n3")
     top = [sphere[0] / (sphere[2] + 1), sphere[1] / (sphere[2] + 1)]
