@@ -80,3 +80,9 @@ def test_mirrored_chords_have_mirrored_paths(chord, u):
     np.testing.assert_allclose(mirrored.path(u), chord.path(u) * [1, -1], atol=1e-13)
     assert mirrored.deviation(u) == pytest.approx(chord.deviation(u), abs=1e-13)
     assert mirrored.path_length == pytest.approx(chord.path_length, rel=1e-12)
+
+
+@pytest.mark.parametrize("f", [0.5, -1.5, 0.5 + 1e-9, 3.0])
+def test_chords_of_whole_and_half_turns_are_refused(f):
+    with pytest.raises(ValueError, match=r"^f: "):
+        ConeChord(1, 1, 0.5, f)

@@ -11,7 +11,7 @@ from exhibits.envelope_equations import noisy_planes, tilted
 from tests import symbols_envelopes as shared
 from tests.audit.long import many
 from tests.envelopes_zoo import GRID
-from tests.symbols_envelopes import ANGLE, EQ11, EX31, NAMES, F, W, g, p, t, tan, u, v, x, y, zero
+from tests.symbols_envelopes import ANGLE, EQ11, EX31, NAMES, F, g, t, tan, u, v, x, y, zero
 from tunneller_lib import milling
 from tunneller_lib.envelopes import fit_surface, hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.measured import mean_frame
@@ -84,38 +84,25 @@ def test_example31_six_positions(judge):
 
 
 def test_example31_four_principal_positions(judge):
-    """Exactly: two lines of principal directions with two cones each, all of which gouge."""
+    """Two lines of principal directions with two cones each, all of which gouge."""
     square = x**2 + y**2
-    eleven = sp.factor(on_example31(EQ11))
-    assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
-    f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
-    r = sp.Matrix(isotropic.contact_point(x, y, f_, fx, fy))
-    fractions = np.random.default_rng(31).integers(-20, 21, (20, 3)).tolist()
-    places = [dict(zip((x, y, t), (sp.Rational(2 * n + 1, 9) for n in row), strict=True))
-              for row in fractions]  # fmt: skip
-    touch, gouge = [], []
-    for line, shift in zip(PRINCIPAL, (y, x), strict=True):
-        along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
-        assert zero(sum(c**2 for c in along.values()) - 1)
-        size = p / 2 / (1 / t - shift)  # t = +-cot(theta)
-        here = {s: sp.factor(size * c) for s, c in along.items()}
-        # A root of (9) for either sign of t, and of (11).
-        touch.append(zero((W - 2 * size / t).subs(here)) and zero(eleven.subs(here)))
-        a, b = (on_example31(e).subs(here) for e in shared.EQ10)
-        m = sp.Matrix(shared.eq22(f_, a, b)).subs(here)
-        opposite = [2 * (x + 2 * here[u]), 2 * (y + 2 * here[v]),
-                    1 - (x + 2 * here[u]) ** 2 - (y + 2 * here[v]) ** 2]  # fmt: skip
-        side = sp.factor(sp.Matrix(opposite).dot(r - m))  # Proposition 20
-        gap = sp.factor(side * on_example31(shared.EQ12).subs(here))
-        # Below zero, but where square = |shift| cot: there it meets a generator.
-        rest = sp.factor(gap / (square + shift * t) ** 2)
-        gouge += [rest.subs(place) < 0 for place in places]
-    assert len(touch) == 2 and all(gouge)
-    judge("cones-principal", cases={"third-order contact, twice on each line": all(touch),
-                                    "candidates, which don't gouge": not any(gouge)})  # fmt: skip
+    factors = PRINCIPAL[0] * PRINCIPAL[1]
+    assert zero(on_example31(EQ11) + 6 * factors * THROUGH / square**4)
     # Principal directions: f_ew is zero on both lines, and on no other.
-    mixed = sp.factor(on_example31(shared.EQ25))
-    assert zero(mixed + 2 * PRINCIPAL[0] * PRINCIPAL[1] / square**3)
+    assert zero(on_example31(shared.EQ25) + 2 * factors / square**3)
+    places = np.random.default_rng(31).uniform(0.1, 2, (60, 2))
+    cones = hyperosculating_cones(shared.example, *places.T, half_angle=ANGLE)
+    lines = sp.lambdify((x, y, u, v), PRINCIPAL)
+    found, gouge = np.zeros((60, 2)), []
+    for k, i in enumerate(cones.index):
+        centre = shared.conic_of(cones, k)[1] - places[i]
+        on = np.abs(lines(*places[i], *centre)) < 1e-9 * (1 + np.hypot(*centre))
+        found[i] += on
+        if on.any():
+            gouge.append(cones.gouges[k])
+    judge("cones-principal", cases={"third-order contact, twice on each line": np.all(found == 2),
+                                    "candidates, which don't gouge": not any(gouge)})  # fmt: skip
+    assert len(gouge) == 240 and all(gouge)
 
 
 def test_numbers_of_cones_by_sturms_rule(judge):

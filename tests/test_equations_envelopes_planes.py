@@ -11,7 +11,7 @@ from numpy.polynomial import Polynomial
 from tests import symbols_envelopes as shared
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
 from tests.shapes import directions
-from tests.symbols_envelopes import ANGLE, EQ9, EQ10, EQ11, EX31, F, g, p, t, tan, u, v, x, y, zero
+from tests.symbols_envelopes import ANGLE, g, t, x, y, zero
 from tunneller_lib.envelopes import hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph
 from tunneller_lib.envelopes.families import moving_cone
@@ -232,24 +232,29 @@ def test_third_order_contact_is_not_always_free(judge):
     depths = [cone.pose.clearance(r).min() for cone in cones]
     enters = np.less(depths, -1e-9)
     judge("cones-free", not np.any(enters))
-    # A second way, in fractions: over the cone's own circle, however near the contact, the
-    # surface lies within four cones by the fourth power of the step, and on both generators.
-    a, b = place = sp.Rational(99, 65), sp.Rational(27, 65)
-    square, half = a**2 + b**2, sp.Rational(1, 2)
-    for generator in ((-3, -4, 5), (-12, 5, 13)):
-        centre = tuple(sp.Rational(c, generator[2]) for c in generator[:2])
-        assert _within_the_cone(EX31, place, centre) == (0, [0] * 6)
-    for along, shift in (((2 * a * b, b**2 - a**2), b), ((a**2 - b**2, 2 * a * b), a)):
-        for cot in (half, -half):
-            size = (square + 1) / 2 / (cot - shift) / square
-            residual, inside = _within_the_cone(EX31, place, [size * c for c in along])
-            assert residual < 0 and min(inside[2:]) > 0
-            assert all(abs(deep / inside[-1] - 1) < 0.02 for deep in inside[3:])
-    # With K < 0 both signs occur, and that of f_ee keeps the surface out, whatever the direction.
-    for fourth, sign in ((4, -1), (8, 1)):
-        graph = 12 * x**2 - 12 * y**2 + fourth * x**4
-        residual, inside = _within_the_cone(graph, (0, 0), (0, 1))
-        assert sp.sign(residual) == sign and all(sp.sign(deep) == -sign for deep in inside[2:])
+
+    # A second way: over each cone's own circle the surface lies within four of them by the fourth
+    # power of the step, and on both generators.
+    def within(cones, k, graph, place, steps):
+        """Return how deep points of a surface, by steps over the circle of cone k, are in it."""
+        centre = complex(*shared.conic_of(cones, k)[1])
+        away = complex(*place) - centre
+        over = centre + away * np.exp(1j * np.array(steps) / abs(away))
+        return -cones[k].pose.clearance(isotropic.surface_points(graph, over.real, over.imag))
+
+    for k in range(6):
+        deep = within(cones, k, shared.example, (0.5, 0.3), (0.01, 0.02))
+        if enters[k]:
+            assert deep.min() > 0 and abs(np.log2(deep[1] / deep[0]) - 4) < 0.1
+        else:
+            assert np.abs(deep).max() < 1e-13
+    # With K < 0 both signs occur; where the residual has that of f_ee = 24 it's free.
+    for fourth, free in ((4, False), (8, True)):
+        graph = sp.lambdify((x, y), 12 * x**2 - 12 * y**2 + fourth * x**4)
+        cones = hyperosculating_cones(graph, 0.0, 0.0, half_angle=np.arctan(0.5))
+        for k in (0, 2):  # along the x axis
+            deep = within(cones, k, graph, (0.0, 0.0), (0.05, -0.1))
+            assert np.all((deep < 0) == free) and (cones[k].verdict == "free") == free
 
 
 def test_curves_in_contact_envelop_surfaces_in_contact_along_a_ruling(judge):
@@ -281,45 +286,6 @@ def test_curves_in_contact_envelop_surfaces_in_contact_along_a_ruling(judge):
             start, moved = off(0.0, along)[1], off(0.002, along)[1]
             assert off(0.0, along)[0] < 1e-14 and 1e-4 < np.linalg.norm(moved - start) < 1
     judge("cones-common-ruling", all(np.allclose(orders[n], n + 1, atol=0.1) for n in orders))
-
-
-def _axis_over(place, centre):
-    """Return the axis of the cone over a circle through a place: its three normals' plane."""
-    (a, b), (c, e) = place, centre
-    n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2]) / p
-    one, two, three = (n.subs({x: a + i, y: b + j}) for i, j in
-                       ((0, 0), (2 * c, 2 * e), (c + e, e - c)))  # fmt: skip
-    return (two - one).cross(three - one)
-
-
-def _within_the_cone(graph, place, centre):
-    """Return Eq. 12 on the cone's side, and how deep surface points lie within the cone.
-
-    Exactly, for tan(theta) = 1/2: the points over the circle by steps t of 0.1 to 1e-9, depths in
-    powers t^4.
-    """
-    here = dict(zip((x, y, u, v), (*place, *centre), strict=True)) | {tan: sp.Rational(1, 2)}
-    jet = {s: sp.sympify(form).subs(here) for s, form in shared.jet_of(graph).items()}
-    a, b, nine, eleven, twelve = (q.subs(jet).subs(here) for q in (*EQ10, EQ9, EQ11, shared.EQ12))
-    assert nine == eleven == 0
-    fx, fy = graph.diff(x), graph.diff(y)
-    contact = sp.Matrix([(x**2 - y**2 - 1) * fx + 2 * x * y * fy - 2 * x * graph,
-                         (y**2 - x**2 - 1) * fy + 2 * x * y * fx - 2 * y * graph,
-                         2 * x * fx + 2 * y * fy - 2 * graph]) / p  # fmt: skip
-    vertex = sp.Matrix(shared.eq22(jet[F("")], a, b)).subs(here)
-    n = sp.Matrix([2 * x, 2 * y, 1 - x**2 - y**2])
-    opposite = n.subs({x: x + 2 * u, y: y + 2 * v}, simultaneous=True).subs(here)
-    touch = sp.lambdify((x, y), contact, "sympy")  # of fractions it makes fractions
-    place = sp.sympify(place)
-    side = sp.sign(opposite.dot(touch(*place) - vertex))  # Proposition 20
-    axis, (c, e) = _axis_over(place, centre), centre
-    depths = []
-    for step in [sp.Rational(1, 10**k) for k in (1, 2, 3, 5, 7, 9)]:
-        turn, rise = 2 * step / (1 + step**2), 2 * step**2 / (1 + step**2)  # sin, 1 - cos
-        out = touch(place[0] + e * turn + c * rise, place[1] + e * rise - c * turn) - vertex
-        deep = out.dot(axis) ** 2 / axis.dot(axis) - sp.Rational(4, 5) * out.dot(out)
-        depths.append(deep / step**4)
-    return twelve * side, depths
 
 
 def test_tangent_plane_and_its_derivative_meet_in_a_ruling(judge):

@@ -135,20 +135,6 @@ def test_mouth_profile_given_to_nine_decimals_is_the_exact_one_to_a_nanometre():
     np.testing.assert_allclose(given.depth(*points), exact.depth(*points), atol=3e-9)
 
 
-def test_depth_about_every_blend_of_a_profile_that_snaps_is_steady():
-    """No point falls into a gap, on the section or on its offsets."""
-    section = closed_profile(mouth(7))
-    assert 1e-8 < section.slack < 1e-6
-    for profile in (section, section.offset(0.1), section.offset(-1.0)):
-        steps = np.linspace(-3e-6, 3e-6, 1001)
-        for s in profile.blends[:-1]:
-            point, normal = profile.point(s), profile.normal(s)
-            tangent = np.array([-normal[1], normal[0]])
-            for inside in (1e-3, 0.0, -1e-3):
-                y, z = (point - inside * normal + steps[:, None] * tangent).T
-                np.testing.assert_allclose(profile.depth(y, z), inside, atol=1e-6)
-
-
 def test_gap_may_be_what_snap_says_and_no_more():
     for snap in (0.0, 1e-9, 1e-4):
         wide = changed(1, length=0.4 + 1.01 * snap + 1e-11)
