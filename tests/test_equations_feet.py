@@ -155,10 +155,6 @@ def test_eq11_common_factor(judge):
 def test_nearest_foot(judge):
     # |MN| = |R - d+|, R + d+, |R - d-|, R + d-, with d- >= d+: the distances of M from the
     # meridian circles' centres. The first is least where d+ + d- > 2R, and nowhere else.
-    near, far = sp.symbols("near far", positive=True)
-    assert zero((R - near) ** 2 - (R - far) ** 2 - (far - near) * (2 * R - near - far))
-    assert zero((R + near) ** 2 - (R - near) ** 2 - 4 * R * near)
-    # A second way, measured on the library's feet.
     for torus in TORI[:3]:
         centres = 2 * torus.R * shared.draw(13, 500, 3)
         rho = np.hypot(centres[:, 0], centres[:, 2])

@@ -7,10 +7,21 @@ from mpmath import mp
 from tests import symbols_open as shared
 from tests.symbols_envelopes import EQ9, EQ11, EQ12, EQ25, UT, VT, D, at, eq14, p
 from tests.symbols_open import a, e, form, kappa, q, qa, qaa, rho, vanishes, w, xe
-from tests.test_equations_envelopes_open import bending
 from tunneller_lib.envelopes import hyperosculating_cones, jet_variables
 from tunneller_lib.envelopes.families import cyclide
 from tunneller_lib.envelopes.pseudo import pseudo_envelope
+
+
+def bending(theta):
+    """Return the example's derivative of g'/r, up to a factor, as a function of the radius."""
+    C, S = mp.cos(theta), mp.sin(theta)
+
+    def bend(k):
+        c = (1 - k * k) / (1 + k * k)
+        W = mp.sqrt(c * c - S * S)
+        return (C * c + W) ** 1.5 * (c + W) ** (-3 / (2 * C)) / k**2
+
+    return bend
 
 
 def once_round(expression):
