@@ -41,18 +41,11 @@ def test_fig2_tangent_planes_turn_along_a_skew_ruling(judge):
     judge("cones-fig2", turn > 0.1 and stay < 1e-12)
 
 
-def _along_helix(s):
-    """Return isotropic points of the planes of the helix' tangent developable."""
-    c, first, second = CURVES["helix"](s)
-    n = np.cross(np.stack(first, -1), np.stack(second, -1))
-    n /= np.linalg.norm(n, axis=-1, keepdims=True)
-    return isotropic.plane_to_point(n, -(n * np.stack([w + 0 * s for w in c], -1)).sum(-1))
-
-
 def test_fig4_osculating_circle_in_the_top_view(judge):
     """The osculating cone lies over the top view's osculating circle; its vertex on the edge."""
     s0 = 0.6
-    near = _along_helix(s0 + np.array([-1e-3, 0, 1e-3]))
+    planes = tangent_planes(lambda s: CURVES["helix"](s)[0], s0 + np.array([-1e-3, 0, 1e-3]))
+    near = isotropic.plane_to_point(*planes)
     centre = circle_centre(near)
     slope = np.linalg.solve(near[[0, 2], :2] - near[1, :2], near[[0, 2], 2] - near[1, 2])
     U, V = centre - near[1, :2]
