@@ -336,28 +336,6 @@ def test_a_kept_form_that_is_cut_short_or_another_loses_no_answer(tmp_path):
     child(SPOILT, NUMBA_CACHE_DIR=str(tmp_path))
 
 
-FUSED = """
-from tunneller_lib.kernels import compiled
-compiled.expect(2 * compiled.LONG, "axes")
-import numpy as np
-from tunneller_lib.motion import Lag, Loop, follow
-follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(10))
-made = compiled._compiled.cache_info().currsize
-import gc, numba
-texts = [one.inspect_asm(key) for one in gc.get_objects()
-         if isinstance(one, numba.core.registry.CPUDispatcher)
-         and one.py_func.__module__ == "tunneller_lib.motion.ticks"
-         for key in one.signatures]
-print(made, sum("mulsd" in text for text in texts) > 0, sum("fmadd" in text for text in texts))
-"""
-
-
-def test_no_product_is_fused_with_a_sum(tmp_path):
-    pytest.importorskip("numba")
-    # An empty folder of its own, so that it is compiled here.
-    assert child(FUSED, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["1", "True", "0"]
-
-
 def test_other_compiler_runs_what_numba_does_not(monkeypatch):
     for name, value in (("compiled", False), ("other", None)):
         monkeypatch.setattr(compiled._Work, name, value)

@@ -5,8 +5,6 @@ identity at a general point, and each example a number. The verdicts stand in
 report/ledger/cone-envelopes.toml.
 """
 
-from fractions import Fraction
-
 import numpy as np
 import sympy as sp
 
@@ -16,6 +14,7 @@ from tests.symbols_envelopes import D, jet_of, p, x, y
 from tests.symbols_open import SLOPE, F, M, a, e, form, kappa, q, qa, tau, w, xe, xw
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
+from tunneller_lib.envelopes.isotropic import contact_point, normal
 from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 
 READS = ["report/ledger/*"]
@@ -213,26 +212,15 @@ def test_problem30_channels(judge):
     graph = 1 + y**3
     sines = directions(form(e, w).subs(jet_of(graph)), form(e, e, e).subs(jet_of(graph)))
     judge("cones-problem30-channels", sines != {0}, right=all(steps))
-    # A second way, fractions: points of that surface by the printed Eq. 20. Those over a line
-    # y = const lie on one sphere, which touches z = 0 with the normal (0, 0, -1), and the plane of
-    # their normals goes through (0, 0, -1).
-    for b in (Fraction(1, 3), Fraction(1, 5)):
-        spheres = set()
-        planes = set()
-        for top in (Fraction(0), Fraction(1, 2), Fraction(-2, 3), Fraction(3)):
-            height = 1 + b**3
-            square = top**2 + b**2 + 1
-            fy = 3 * b**2
-            point = [(2 * top * b * fy - 2 * top * height) / square,
-                     ((b**2 - top**2 - 1) * fy - 2 * b * height) / square,
-                     (2 * b * fy - 2 * height) / square]  # fmt: skip
-            n = [2 * top / square, 2 * b / square, (2 - square) / square]
-            radius = height - b * fy  # Eq. 24 with f_ee = 0
-            spheres.add((*(c + radius * m for c, m in zip(point, n, strict=True)), radius))
-            planes.add((n[1], n[2] + 1) if top == 0 else None)
-            assert n[1] == b * (n[2] + 1)  # a plane that holds (0, 0, -1)
-        [(_, _, up, radius)] = spheres
-        assert up + radius == 0 and len(planes) == 2
+    # A second way: points of that surface. Those over a line y = const lie on one sphere, which
+    # touches z = 0 with the normal (0, 0, -1), and the plane of their normals goes through that.
+    top = np.array([0, 1 / 2, -2 / 3, 3])
+    for b in (1 / 3, 1 / 5):
+        n, height, slope = np.stack(normal(top, b)), 1 + b**3, 3 * b**2
+        radius = height - b * slope  # Eq. 24 with f_ee = 0
+        centres = np.stack(contact_point(top, b, height, 0 * top, slope)) + radius * n
+        assert np.ptp(centres, axis=1).max() < 1e-14 and abs(centres[2, 0] + radius) < 1e-14
+        assert np.abs(n[1] - b * (n[2] + 1)).max() < 1e-15
 
 
 def test_problem30_pipes(judge):

@@ -11,8 +11,6 @@ from mpmath import mp, mpf
 
 from tests.foot_lengths import length_of_feet
 from tests.shapes import ends_at_limits
-from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.families import moving_cone, screwing
 from tunneller_lib.paths import CHORD_PATHS, geodesic_inverse, path_length, project_chord
 from tunneller_lib.surfaces import Rod, Torus
 
@@ -96,16 +94,3 @@ def test_needle_seen_end_on_is_met_to_16_eps_of_its_length(length):
     enter, leave = rod.meet_line(p, (0, 3, 4))
     np.testing.assert_allclose(enter, 0, atol=16 * np.finfo(float).eps * length)
     np.testing.assert_allclose(leave, length, rtol=16 * np.finfo(float).eps)
-
-
-# Cones in windows of any size: the half-angle that is given is asked for.
-
-
-@pytest.mark.parametrize("size", [1.0, 1e-1, 1e-2, 1e-3])
-def test_cone_is_told_from_one_of_another_half_angle(size):
-    surface = moving_cone(screwing(1.0, 0.4, 0.5), 0.3)
-    u, v = np.meshgrid(3.1 + size * np.linspace(-0.5, 0.5, 5),
-                       0.3 + size * np.linspace(-0.5, 0.5, 6))  # fmt: skip
-    told = {angle: recognise(surface, u, v, "cone", half_angle=angle, model="space").verdict
-            for angle in (0.3, 0.31)}  # fmt: skip
-    assert told[0.3] == "is" and told[0.31] != "is"

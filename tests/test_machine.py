@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.shapes import HIGH, LOW
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
@@ -79,15 +80,10 @@ def test_check_names_the_inequality_that_fails(name):
         cutting_circuit(machine, EGG)
 
 
-@pytest.mark.parametrize("position, within", [
-    ((0, 0), True),
-    ((REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_max), True),
-    ((REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_min), True),
-    ((REFERENCE_MACHINE.theta_max + 1e-12, 0), False),
-    ((0, REFERENCE_MACHINE.phi_min - 1e-12), False),
-])  # fmt: skip
-def test_within_limits_includes_the_limits(position, within):
-    assert REFERENCE_MACHINE.within_limits(position) == within
+def test_within_limits_includes_the_limits():
+    assert REFERENCE_MACHINE.within_limits([(0, 0), LOW, HIGH]).all()
+    beyond = [(HIGH[0] + 1e-12, 0), (0, LOW[1] - 1e-12)]
+    assert not REFERENCE_MACHINE.within_limits(beyond).any()
 
 
 def test_heights_are_where_crown_and_floor_are_just_reached():

@@ -102,39 +102,6 @@ def test_offset_of_a_section_with_a_corner_is_refused():
             closed_profile(SQUARE).offset(d)
 
 
-def mouth(decimals=None):
-    """Return the pieces of a mouth profile, 1 m wide and 0.75 m high, rounded to decimals.
-
-    Roof, two bends of 0.2 m and a floor of 1.125 m meet without a corner.
-    """
-    down = np.arctan2(0.875, 0.3)  # where bend and floor meet, below the horizontal
-    pieces = [
-        Arc(0.0, 0.0, 0.5, 0.0, np.pi),
-        Arc(-0.3, 0.0, 0.2, np.pi, down),
-        Arc(0.0, 0.875, 1.125, np.pi + down, np.pi - 2 * down),
-        Arc(0.3, 0.0, 0.2, -down, down),
-    ]
-    if decimals is None:
-        return pieces
-    return [Arc(*(round(value, decimals) for value in vars(arc).values())) for arc in pieces]
-
-
-def test_mouth_profile_given_to_nine_decimals_is_the_exact_one_to_a_nanometre():
-    exact, given = closed_profile(mouth()), closed_profile(mouth(9))
-    assert exact.slack == 0 < given.slack < 1e-8
-    assert given.least_radius == exact.least_radius == 0.2
-    assert given.area == pytest.approx(exact.area, abs=3e-9)
-    for d in (0.0, 0.18, -0.5):
-        one, other = exact.offset(d), given.offset(d)
-        s = np.linspace(0, one.perimeter, 2_000)
-        np.testing.assert_allclose(other.depth(*one.point(s).T), 0, atol=3e-9)
-        np.testing.assert_allclose(other.point(s), one.point(s), atol=1e-8)
-    angle = np.linspace(0, 7, 1_000)
-    np.testing.assert_allclose(given.ray(angle), exact.ray(angle), atol=1e-8)
-    points = np.random.default_rng(3).uniform(-0.6, 0.6, (5_000, 2)).T
-    np.testing.assert_allclose(given.depth(*points), exact.depth(*points), atol=3e-9)
-
-
 def test_gap_may_be_what_snap_says_and_no_more():
     for snap in (0.0, 1e-9, 1e-4):
         wide = changed(1, length=0.4 + 1.01 * snap + 1e-11)
