@@ -40,6 +40,13 @@ def test_circuit_lies_on_both_surfaces(pitch, yaw, scale):
     np.testing.assert_allclose(turned, wanted - [0, machine.height], rtol=0, atol=1e-12 * scale)
 
 
+def test_circuits_pitched_by_next_to_nothing_are_the_aligned_ones_closed_form():
+    machine = replace(WIDE, height=0.0)  # the lowest ruling all but passes the torus by
+    aligned, pitched = (Circuit(machine, EGG, pitch=pitch) for pitch in (0.0, 1e-9))
+    s = along(aligned)
+    np.testing.assert_allclose(pitched.position(s), aligned.position(s), atol=1e-8)
+
+
 def test_extremes_of_the_reference_circuit():
     circuit = of(REFERENCE_MACHINE)
     blends, roof = circuit.profile.blends, np.pi / 2 * 0.32

@@ -102,6 +102,24 @@ def test_offset_of_a_section_with_a_corner_is_refused():
             closed_profile(SQUARE).offset(d)
 
 
+def test_depth_about_every_blend_of_a_profile_that_snaps_is_steady():
+    """No point falls into a gap, on the section or on its offsets."""
+    down = np.arctan2(0.875, 0.3)  # of a mouth profile: where bend and floor meet
+    mouth = [(0, 0, 0.5, 0, np.pi), (-0.3, 0, 0.2, np.pi, down),
+             (0, 0.875, 1.125, np.pi + down, np.pi - 2 * down),
+             (0.3, 0, 0.2, -down, down)]  # fmt: skip
+    section = closed_profile([Arc(*arc) for arc in np.round(mouth, 7).tolist()])
+    assert 1e-8 < section.slack < 1e-6
+    for profile in (section, section.offset(0.1), section.offset(-1.0)):
+        steps = np.linspace(-3e-6, 3e-6, 1001)
+        for s in profile.blends[:-1]:
+            point, normal = profile.point(s), profile.normal(s)
+            tangent = np.array([-normal[1], normal[0]])
+            for inside in (1e-3, 0.0, -1e-3):
+                y, z = (point - inside * normal + steps[:, None] * tangent).T
+                np.testing.assert_allclose(profile.depth(y, z), inside, atol=1e-6)
+
+
 def test_gap_may_be_what_snap_says_and_no_more():
     for snap in (0.0, 1e-9, 1e-4):
         wide = changed(1, length=0.4 + 1.01 * snap + 1e-11)
@@ -111,6 +129,19 @@ def test_gap_may_be_what_snap_says_and_no_more():
         section = closed_profile(close, snap=snap)
         assert section.slack == pytest.approx(0.99 * snap, abs=1e-12)
         assert section.least_radius == 0.25
+
+
+def test_turn_may_be_what_snap_says_of_the_perimeter_and_no_more():
+    snap, perimeter = 1e-4, closed_profile(horseshoe()).perimeter
+    for share in (0.99, 1.01):
+        turn = share * snap / perimeter
+        bent = changed(0, sweep=np.pi + turn)
+        if share > 1:
+            with pytest.raises(ValueError, match="never turn to the right; 2 of 6"):
+                closed_profile(bent, snap=snap)
+        else:  # the turn leaves a gap, too
+            slack = closed_profile(bent, snap=snap).slack
+            assert slack == pytest.approx(turn * (0.5 + perimeter), rel=1e-4)
 
 
 def changed(index, **fields):
