@@ -68,28 +68,30 @@ class Lines(NamedTuple):
         """Return `windows` on rays: a range of places along x and of angles for each sweep.
 
         The angles are first those at which rays meet a ball about the sweep, then only those at
-        which the ball reaches material; the places are those where it does.
+        which that ball reaches beyond the nearest material on these rays; so are the places.
         """
         # A ball about each sweep stands for it, since the steps of a path are short.
         centre = (a + b) / 2
         reach = radius + norm(b - a) / 2
         off = np.hypot(*centre.T[1:])
         angle = np.arctan2(centre[:, 2], centre[:, 1])
-        # Rays that touch a ball beside the axis; one that holds the axis is met all round.
+        # Rays touch a ball beside the axis at angles of -+ half; all rays meet one that holds it.
         beside = off > reach
         sine = np.where(beside, reach, 0) / np.where(beside, off, 1)
         half = np.where(beside, np.arcsin(sine), np.pi)
-        # Up to the nearest material on these rays there is nothing to cut, so that only the part
-        # of the ball beyond counts.
+        # Nearer to the axis than the nearest material on these rays there is nothing to cut, so
+        # only the part of the ball beyond counts.
         inner = _least(nearest, *self._turn(angle, half))
-        # Its angle is where the ball's surface is as far from the axis as the material, by the
-        # law of cosines; nearer than where the rays touch the ball they stay its bounds.
-        chord = inner**2 + off**2 - reach**2
+        # That part ends at the angles where the ball's surface is as far from the axis as the
+        # material, by the law of cosines. If the material begins nearer than the places where the
+        # rays touch the ball, those places are in that part, and the touching rays bound it.
+        cosine_law = inner**2 + off**2 - reach**2  # 2 off inner cos(half)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            cos = np.minimum(np.maximum(chord / (2 * off * inner), -1.0), 1.0)
+            cos = np.minimum(np.maximum(cosine_law / (2 * off * inner), -1.0), 1.0)
         narrow = (inner**2 > off**2 - reach**2) & (off > 0) & (inner > 0) & np.isfinite(inner)
         half = np.where(narrow, np.arccos(np.where(narrow, cos, 1)), half)
-        # Along x the ball is narrower there, too, or isn't there at all: then an empty range.
+        # That part is also narrower along x than the ball. If the ball doesn't reach the material,
+        # a negative width makes the range empty.
         width = np.sqrt(np.maximum(reach**2 - np.maximum(inner - off, 0) ** 2, 0))
         width = np.where(inner - off > reach, -1.0, width)
         rows = _range(self.x, centre[:, 0] - width, centre[:, 0] + width)
@@ -168,7 +170,7 @@ class Lines(NamedTuple):
             The window. A line that misses gets an empty interval.
         """
         cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
-        # Each line's point next to the axis y = z = 0.
+        # Each line's point nearest to the axis y = z = 0.
         points = np.empty((len(self.x[rows]), len(cos), 3))
         points[..., 0] = self.x[rows, None]
         points[..., 1] = aside * sin
@@ -198,7 +200,7 @@ class Lines(NamedTuple):
         if not filled:
             return 0, 0, 0, 0
         first, last, start, stop = zip(*filled, strict=True)
-        if self.rays:  # the ranges are turned until they lie on the same round
+        if self.rays:  # the ranges are moved by whole rounds, next to the first
             count = len(self.cos)
             half = count // 2
             shift = [(s - start[0] + half) % count - half + start[0] - s for s in start]
@@ -211,8 +213,8 @@ class Lines(NamedTuple):
 def met_ball(x, aside, cos, sin, centre, radius):
     """Return where lines enter and leave a ball of a centre (x, y, z) and a radius, in m.
 
-    Numbers or arrays: x, `aside`, `cos` and `sin` of `Lines`. Both are in the middle where a line
-    misses.
+    Numbers or arrays: x, `aside`, `cos` and `sin` of `Lines`. A line that misses enters and leaves
+    where it is nearest to the centre.
     """
     cx, cy, cz = centre
     off = x - cx
@@ -279,7 +281,7 @@ def _least(values, first, last):
     begin = np.where(filled, first % count, 2 * count)
     end = np.where(filled, begin + last - first, 2 * count)
     twice = np.concatenate([values, values, [np.inf]])
-    # Every other answer is of what is between two ranges.
+    # Every second answer belongs to what lies between two ranges.
     return np.minimum.reduceat(twice, np.stack([begin, end], axis=-1).ravel())[::2]
 
 
@@ -287,7 +289,10 @@ def _least(values, first, last):
 
 
 def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, enter, leave):
-    """Fill in which lines have material in a ball's reach, and where moves within it meet them.
+    """Fill in which lines have material in a ball, and where moves within the ball meet them.
+
+    A line that misses the ball counts as well if its point nearest to the ball lies in material;
+    it gets empty intervals.
 
     Parameters
     ----------
@@ -304,16 +309,17 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
     seen : tuple of (l, 1, count) float
         The axes of l moves as `Lines.seen` from these lines.
     rows, columns : (size,) int
-        Filled with which lines these are.
+        Filled with the indices of these lines; size is at least the number of lines in the window.
     enter, leave : (1 + l, size) float
-        Filled with where each move enters and leaves them, and in row 0 all moves together.
+        Filled with where the moves enter and leave them, in m: in row 0 the least interval that
+        holds those of all moves, then a row for each move.
 
     Returns
     -------
     found : int
         How many lines there are.
     apart : bool
-        Whether some move takes an interval that doesn't overlap with those before it.
+        Whether some move's interval on a line is apart from that which holds those before it.
     """
     x, cos, sin, aside = lines
     top, bottom, left, right = window
@@ -332,7 +338,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         reached[:] = False
         for slot in range(len(low)):
             _reach_row(low[slot, i, left:right], high[slot, i, left:right], near, far, reached)
-        # The moves are met from the first to the last line of the row that is reached, no farther.
+        # The moves are met only from the first to the last line of the row that is reached.
         begin = 0
         while begin < width and not reached[begin]:
             begin += 1
@@ -347,7 +353,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         for j in range(begin, end):
             if not reached[j]:
                 continue
-            # The union of the moves' intervals, which is one interval unless some are apart.
+            # The union of the moves' intervals is itself an interval unless some are apart.
             first = np.inf
             last = -np.inf
             for k in range(len(firsts)):
@@ -367,7 +373,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
     return found, apart
 
 
-# Each a loop without branches over lines side by side: the compiler takes several at once.
+# Each is a loop without branches over neighbouring lines: the compiler takes several at once.
 
 
 def _meet_row_with_ball(x, aside, cos, sin, ball, near, far):
@@ -378,7 +384,7 @@ def _meet_row_with_ball(x, aside, cos, sin, ball, near, far):
 
 
 def _reach_row(low, high, near, far, reached):
-    """Note which intervals of a row reach between two places, all in m."""
+    """Note on which lines of a row the material overlaps the interval from near to far, in m."""
     for j in range(len(near)):
         reached[j] |= (near[j] < high[j]) & (far[j] > low[j]) & (low[j] < high[j])
 
