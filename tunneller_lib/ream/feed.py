@@ -205,7 +205,8 @@ def _check_shapes(moves, **arrays):
 def fastest(lengths, square, acceleration, turns):
     """Return the squares (m + 1,) of the greatest feed from rest to rest over m moves, in m^2/s^2.
 
-    The acceleration is constant over each move and within the cutter's limit at its beginning.
+    The acceleration is constant over each move and within the cutter's limit at its beginning,
+    save in moves too long for the way's bend.
 
     Parameters
     ----------
@@ -255,8 +256,8 @@ def fastest(lengths, square, acceleration, turns):
                 best = x
         top[i] = best
     # Forwards from rest: x grows by the most that the ellipse allows, up to what the first pass
-    # left. Where the ellipse allows no growth x falls, but not below 0. It would only where
-    # step g12 > g11, in a move too long for the way's bend: that move exceeds the limit.
+    # left. Where the ellipse allows no growth x falls, but not below 0. It would fall below only
+    # where step g12 > g11, in a move too long for the way's bend: that move exceeds the limit.
     found = [0.0]
     for i, step in enumerate(steps):
         x = found[-1]

@@ -184,8 +184,8 @@ def _answers(plan, plant, loop, ground, arm, torque):
         torque / angle = J s^2 + b s + sum(D^2 s / C) + G(s) sum(D c sqrt(p) / C),
 
     where the loop G opens the spool for a rate of gain times angle, after its delay, half a tick
-    and the spool's lag. The leak past the piston is taken as if the pressure of the
-    other side didn't swing. The ground couples both joints, see `_dampers`.
+    and the spool's lag. The leak past the piston is taken as if the pressure of the other side
+    didn't swing. The ground couples both joints, see `_dampers`.
     """
     _, at, rates, _, _ = planned_motion(plan)
     if not ground.ripple_frequency:  # no ripple
