@@ -341,9 +341,9 @@ def _middle(values):
 def searched(kind, f, runs, window, size):
     """Return the evidence for each size that one point allows, and the size found.
 
-    The candidates are the sizes of one point, the one that knows its own best. With each of them
-    every point's nearest size is compared. The point that knows that one best gives the value and
-    the error by which points refute; the median of those known best is the size on which they
+    The candidates are the sizes of one point, the one that knows its own best. Each is compared
+    with the nearest size of every point. The point that knows its own most sharply gives the value
+    and the error by which points refute; the median of those known best is the size on which they
     agree.
 
     Parameters
@@ -353,7 +353,7 @@ def searched(kind, f, runs, window, size):
     window : float
         By how much the unit normals of the points differ.
     size : float or None
-        The one with the least residual, in m or rad; None if every half-angle fits.
+        The one with the least residual, in m or rad; None where there is none, as on a sphere.
 
     Returns
     -------
@@ -369,9 +369,9 @@ def searched(kind, f, runs, window, size):
     sharp = min(SHARP, SHARP_OVER_WINDOW * window)
     tried = []
     if not complete.any():
-        # No point lists all the sizes that it allows, so none can refute the surface. Where all
-        # of them allow a whole range, as those of a sphere allow every half-angle, any size of the
-        # range will do for them to agree.
+        # No point lists all the sizes that it allows, so the candidates can't refute the surface,
+        # and this entry refutes nothing. Where all points allow a whole range of sizes, as those of
+        # a sphere allow every half-angle, any size of the range will do for them to agree.
         found = asked(kind, f, off, np.pi / 4 if size is None else size, 0.0, sharp)
         agrees = found.agrees & every.all()
         tried.append((found._replace(refutes=np.zeros_like(agrees), agrees=agrees), size))
