@@ -108,7 +108,7 @@ class Limits:
         Raises
         ------
         ValueError
-            As by `bounds`.
+            As by `bounds`, or if a move is too long for the bend of the way at its beginning.
         """
         bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
         # A place belongs to the move before it and to the one after it.
@@ -205,8 +205,8 @@ def _check_shapes(moves, **arrays):
 def fastest(lengths, square, acceleration, turns):
     """Return the squares (m + 1,) of the greatest feed from rest to rest over m moves, in m^2/s^2.
 
-    The acceleration is constant over each move and within the cutter's limit at its beginning,
-    save in moves too long for the way's bend.
+    The acceleration is constant over each move and within the cutter's limit at its beginning. A
+    move that is too long for that at any feed raises ValueError.
 
     Parameters
     ----------
@@ -256,12 +256,17 @@ def fastest(lengths, square, acceleration, turns):
                 best = x
         top[i] = best
     # Forwards from rest: x grows by the most that the ellipse allows, up to what the first pass
-    # left. Where the ellipse allows no growth x falls, but not below 0. It would fall below only
-    # where step g12 > g11, in a move too long for the way's bend: that move exceeds the limit.
+    # left. Where the ellipse allows no growth x falls. It falls below 0 only where step g12 > g11:
+    # over so long a move the way bends too much for one acceleration.
     found = [0.0]
     for i, step in enumerate(steps):
         x = found[-1]
         g11, g12, g22 = ellipses[i]
         most = (sqrt(max(g12 * g12 * x * x - g11 * (g22 * x * x - limit), 0.0)) - g12 * x) / g11
-        found.append(min(top[i + 1], max(x + step * most, 0.0)))
+        if x + step * most < 0:
+            raise ValueError(
+                f"lengths: a move must be shorter than {g11 / g12 / 2:.3g} m where the way bends "
+                f"as after move {i}; got {step / 2:.3g} m."
+            )
+        found.append(min(top[i + 1], x + step * most))
     return np.array(found)
