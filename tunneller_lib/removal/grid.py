@@ -67,7 +67,7 @@ class Lines(NamedTuple):
         """Return `window` on rays: a range of places along x and one of angles.
 
         The angles are first those at which rays meet one ball about all balls, then only those at
-        which it reaches material; the places are those where it does.
+        which that ball reaches beyond the nearest material on these rays; so are the places.
         """
         # One ball stands for all, since the steps of a path are short.
         middle, away = ball_about(points)
@@ -75,20 +75,21 @@ class Lines(NamedTuple):
         x, y, z = middle.tolist()
         off = math.hypot(y, z)
         angle = math.atan2(z, y)
-        # Rays that touch a ball beside the axis; one that holds the axis is met all round.
+        # Rays touch a ball beside the axis at angles of -+ half; all rays meet one that holds it.
         half = math.asin(reach / off) if off > reach else math.pi
-        # Up to the nearest material on these rays there is nothing to cut, so that only the part
-        # of the ball beyond counts.
+        # Nearer to the axis than the nearest material on these rays there is nothing to cut, so
+        # only the part of the ball beyond counts.
         inner = _least(nearest, *self._turn(angle, half))
         beyond = inner - off
         if beyond > reach:
             return 0, 0, 0, 0
-        # Its angle is where the ball's surface is as far from the axis as the material, by the
-        # law of cosines; nearer than where the rays touch the ball they stay its bounds.
-        chord = inner**2 + off**2 - reach**2
+        # That part ends at the angles where the ball's surface is as far from the axis as the
+        # material, by the law of cosines. If the material begins nearer than the places where the
+        # rays touch the ball, those places are in that part, and the touching rays bound it.
+        cosine_law = inner**2 + off**2 - reach**2  # 2 off inner cos(half)
         if inner**2 > off**2 - reach**2 and off > 0 and inner > 0:
-            half = math.acos(min(max(chord / off / inner / 2, -1.0), 1.0))
-        # Along x the ball is narrower there, too.
+            half = math.acos(min(max(cosine_law / off / inner / 2, -1.0), 1.0))
+        # That part is also narrower along x than the ball.
         width = math.sqrt(max(reach**2 - max(beyond, 0.0) ** 2, 0.0))
         return *_range(self.x, x - width, x + width), *self._turn(angle, half)
 
@@ -165,7 +166,7 @@ class Lines(NamedTuple):
             The window. A line that misses gets an empty interval.
         """
         cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
-        # Each line's point next to the axis y = z = 0.
+        # Each line's point nearest to the axis y = z = 0.
         points = np.empty((len(self.x[rows]), len(cos), 3))
         points[..., 0] = self.x[rows, None]
         points[..., 1] = aside * sin
@@ -199,8 +200,8 @@ def ball_about(points):
 def met_ball(x, aside, cos, sin, centre, radius):
     """Return where lines enter and leave a ball of a centre (x, y, z) and a radius, in m.
 
-    Numbers or arrays: x, `aside`, `cos` and `sin` of `Lines`. Both are in the middle where a line
-    misses.
+    Numbers or arrays: x, `aside`, `cos` and `sin` of `Lines`. A line that misses enters and leaves
+    where it is nearest to the centre.
     """
     cx, cy, cz = centre
     off = x - cx
@@ -269,7 +270,10 @@ def _least(values, first, last):
 
 
 def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, enter, leave):
-    """Fill in which lines have material in a ball's reach, and where moves within it meet them.
+    """Fill in which lines have material in a ball, and where moves within the ball meet them.
+
+    A line that misses the ball counts as well if its point nearest to the ball lies in material;
+    it gets empty intervals.
 
     Parameters
     ----------
@@ -286,16 +290,17 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
     seen : tuple of (l, 1, count) float
         The axes of l moves as `Lines.seen` from these lines.
     rows, columns : (size,) int
-        Filled with which lines these are.
+        Filled with the indices of these lines; size is at least the number of lines in the window.
     enter, leave : (1 + l, size) float
-        Filled with where each move enters and leaves them, and in row 0 all moves together.
+        Filled with where the moves enter and leave them, in m: in row 0 the least interval that
+        holds those of all moves, then a row for each move.
 
     Returns
     -------
     found : int
         How many lines there are.
     apart : bool
-        Whether some move takes an interval that doesn't overlap with those before it.
+        Whether some move's interval on a line is apart from that which holds those before it.
     """
     x, cos, sin, aside = lines
     top, bottom, left, right = window
@@ -314,7 +319,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         reached[:] = False
         for slot in range(len(low)):
             _reach_row(low[slot, i, left:right], high[slot, i, left:right], near, far, reached)
-        # The moves are met from the first to the last line of the row that is reached, no farther.
+        # The moves are met only from the first to the last line of the row that is reached.
         begin = 0
         while begin < width and not reached[begin]:
             begin += 1
@@ -329,7 +334,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         for j in range(begin, end):
             if not reached[j]:
                 continue
-            # The union of the moves' intervals, which is one interval unless some are apart.
+            # The union of the moves' intervals is itself an interval unless some are apart.
             first = np.inf
             last = -np.inf
             for k in range(len(firsts)):
@@ -349,7 +354,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
     return found, apart
 
 
-# Each a loop without branches over lines side by side: the compiler takes several at once.
+# Each is a loop without branches over neighbouring lines: the compiler takes several at once.
 
 
 def _meet_row_with_ball(x, aside, cos, sin, ball, near, far):
@@ -360,7 +365,7 @@ def _meet_row_with_ball(x, aside, cos, sin, ball, near, far):
 
 
 def _reach_row(low, high, near, far, reached):
-    """Note which intervals of a row reach between two places, all in m."""
+    """Note on which lines of a row the material overlaps the interval from near to far, in m."""
     for j in range(len(near)):
         reached[j] |= (near[j] < high[j]) & (far[j] > low[j]) & (low[j] < high[j])
 
