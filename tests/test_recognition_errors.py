@@ -45,9 +45,6 @@ JET = jet_of(5)
 OFF = Jet(1e-9 * np.abs(jet_of(6).c))
 ANGLES = np.random.default_rng(7).uniform(0, 2 * np.pi, (POINTS, 5))
 
-# ---- derivatives in a turning direction -----------------------------------------------------
-
-
 # ---- two conditions of each class -----------------------------------------------------------
 
 CLASSES = [("ruled", 0.0), ("cylinder", 0.3), ("channel", 0.0), ("pipe", 0.3), ("cone", 0.5)]
