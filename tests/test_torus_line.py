@@ -10,7 +10,6 @@ from tunneller_lib.surfaces import Torus
 
 GRID = 2.0**-40
 FINE = 2.0**-60  # a few roundings are told apart on it
-RATIOS = np.geomspace(0.2, 1e4, 20)
 KINDS = (
     "random", "in the ring's plane", "in a meridian plane", "through the centre", "from afar",
     "parallel to the axis", "along the tunnel", "afar, both points", "points close together",
@@ -105,12 +104,12 @@ def lines(kind, rng, n):
     return on_grid(a), on_grid(b)
 
 
-@pytest.mark.parametrize("ratio", RATIOS, ids="{:.3g}".format)
 @pytest.mark.parametrize("kind", KINDS)
-def test_meet_line_finds_all_of_random_and_special_lines(kind, ratio):
-    torus, rng = gridded(ratio), np.random.default_rng(int(1000 * ratio))
-    a, b = lines(kind, rng, 5000 if kind == "random" else 150)
-    judge(torus, a, b, torus.meet_line(a, b))
+def test_meet_line_finds_all_of_random_and_special_lines(kind):
+    for ratio in np.geomspace(0.2, 1e4, 20):
+        torus, rng = gridded(ratio), np.random.default_rng(int(1000 * ratio))
+        a, b = lines(kind, rng, 5000 if kind == "random" else 150)
+        judge(torus, a, b, torus.meet_line(a, b))
 
 
 def beside_tangents(torus, seed, n, roundings):
