@@ -7,7 +7,6 @@ seconds. Each row is a scan: how much time is scaled, ticks that are known ahead
 the cutter's set-values in m/s.
 """
 
-import csv
 import shutil
 import tempfile
 from dataclasses import replace
@@ -16,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.controllers import REALS, Driven, c99_program, with_program
+from tests.references import tables
 from tunneller_lib.job import read_job
 from tunneller_lib.ream.moves import levers
 
@@ -61,7 +61,4 @@ def rows():
 
 
 if __name__ == "__main__":
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(rows())
+    tables.write(TABLE, COLUMNS, rows())

@@ -7,13 +7,13 @@ geodesic of each length is drawn both ways from its middle by a Taylor series; p
 ends are polynomials through Gauss-Legendre nodes, whose length the same nodes tell.
 """
 
-import csv
 import math
-import sys
 from functools import cache
 from pathlib import Path
 
 from mpmath import mp, mpf
+
+from tests.references import tables
 
 TABLE = Path(__file__).with_suffix(".csv")
 DIGITS, NODES, TERMS = 60, 40, 100
@@ -211,9 +211,4 @@ def row(torus, about, ways):
 
 
 if __name__ == "__main__":
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for one in rows():
-            writer.writerow(one)
-            print(*one, file=sys.stderr)
+    tables.write(TABLE, COLUMNS, rows())

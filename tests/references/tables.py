@@ -1,0 +1,13 @@
+"""How the scripts of this folder write their tables: one header line, and row by row."""
+
+import csv
+
+
+def write(table, columns, rows):
+    """Write a table, a row as soon as it's known."""
+    with table.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        for row in rows:
+            writer.writerow(row)
+            file.flush()
