@@ -62,9 +62,9 @@ def test_greatest_excess_in_forty_digits():
         p, q = ([mp.radians(v) for v in end] for end in ((0, 40), (95, -40)))
         chord = short_chords.Chord((mp.mpf("0.1"), 1), p, q)
         t, weights, matrix = short_chords.nodes()
-        gap = mp.matrix([chord.gap(share * chord.angle) for share in t])
-        slope = matrix * gap / chord.angle
-        second = short_chords.dot(weights, [a**2 - b**2 for a, b in zip(slope, gap, strict=True)])
+        gap = np.array([chord.gap(share * chord.angle) for share in t])
+        slope = matrix @ gap / chord.angle
+        second = weights @ (slope**2 - gap**2)
     assert abs(second / 2 - mp.mpf("0.0474470130872")) < 1e-12
     assert ChordLaw(*CORNERS).excess == pytest.approx(float(second / 2), rel=1e-13)
     assert SUP == pytest.approx(float(second / 2), abs=1e-10)
