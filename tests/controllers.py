@@ -181,9 +181,9 @@ def moved(run):
     )
 
 
-def job_with(**tables):
-    """Return the reference job with some keys of its tables changed."""
-    job = read_job(REFERENCE_JOB)
+def job_with(job=None, /, **tables):
+    """Return a job, the reference job unless told, with some keys of its tables changed."""
+    job = job or read_job(REFERENCE_JOB)
     return replace(job, **{name: getattr(job, name) | keys for name, keys in tables.items()})
 
 
