@@ -54,7 +54,7 @@ USUAL = {
 def instance(kind):
     """Return the examples' object of a class, made now if it takes time, or its docstring's."""
     one = INSTANCES[kind] if kind in INSTANCES else shown(kind)
-    return one if isinstance(one, kind) else one()
+    return one() if callable(one) and not isinstance(one, kind) else one
 
 
 def shown(kind):
@@ -95,7 +95,7 @@ class Call:
         """Return valid arguments: those of the examples, else what is usual for their rules."""
         given = EXAMPLES[self.room].CALLS.get(self.name, {})
         found = dict(given() if callable(given) else given)
-        if not given and is_dataclass(self.function) and (one := shown(self.function)):
+        if not given and is_dataclass(self.function) and (one := instance(self.function)):
             found = {name: getattr(one, name) for name in self.parameters}
         for name, about in self.parameters.items():
             if name not in found and about.default is inspect.Parameter.empty:

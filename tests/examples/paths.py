@@ -21,13 +21,9 @@ INSTANCES = {
 _ENDS = {"p": (0.3, 0.2), "q": (-0.4, 0.1)}
 
 CALLS = {
-    "ChordLaw": {"p": (0.3, 0.2), "q": (-0.4, 0.1)},
     "ChordLaw.gap": {"u": [0.0, 0.5, 1.0]},
     "ChordPath.__call__": {"t": [0.0, 0.5, 1.0]},
-    "ChordPath": {"name": "mine", "way": CHORD_PATHS["joint space"].way, "colour": "error",
-                  "line": "-"},
     "Circuit.path_overbreak": {"s": (0.0, 0.5, 1.0)},
-    "ConeChord": {"f": 0.25},
     "GeodesicPoints.deviation": {"position": [(0.3, 0.2), (0.1, 0.1)]},
     "competing_geodesics": _ENDS,
     "corrected_chord": _ENDS,
