@@ -45,22 +45,36 @@ def elsewhere(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
 
 
+def changed(changes, *, quick=True):
+    """Return the reference job's text with some of it changed."""
+    text = REFERENCE.read_text()
+    if quick:  # T0 feels no ground
+        text = re.sub(r"power = 3e3.*?(?=\n# \[hydraulics\])", "", text, flags=re.DOTALL)
+    for old, new in ((QUICK if quick else {}) | changes).items():
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
 @pytest.fixture
 def job(tmp_path):
     """Return a function that writes a job like the reference, with some of its text changed."""
 
-    def write(changes=None, *, quick=True):
-        text = REFERENCE.read_text()
-        if quick:  # T0 feels no ground
-            text = re.sub(r"power = 3e3.*?(?=\n# \[hydraulics\])", "", text, flags=re.DOTALL)
-        for old, new in ((QUICK if quick else {}) | (changes or {})).items():
-            assert text.count(old) == 1, old
-            text = text.replace(old, new)
+    def write(changes=(), *, quick=True):
         path = tmp_path / "job.toml"
-        path.write_text(text)
+        path.write_text(changed(dict(changes), quick=quick))
         return path
 
     return write
+
+
+@pytest.fixture(scope="module")
+def cut(tmp_path_factory):
+    """Return the quick job as it is read, and its cut."""
+    path = tmp_path_factory.mktemp("cut") / "job.toml"
+    path.write_text(changed({}))
+    made = read_job(path)
+    return made, made.simulated()
 
 
 def run(capsys, *arguments):
@@ -259,9 +273,8 @@ def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job
     assert "\nlap 3, beside another: overbreak " in said
 
 
-def test_overshoot_where_the_cutter_enters_counts(job):
-    made = read_job(job())
-    cut = made.simulated()
+def test_overshoot_where_the_cutter_enters_counts(cut):
+    made, cut = cut
     outward = made.planned.circuit.profile.normal(0.0)
     beyond = cut.before[-1:] + 5e-3 * np.array([0.0, *outward])
     numbers = results.summarise(made, replace(cut, before=np.concatenate([cut.before, beyond])))
@@ -286,9 +299,8 @@ def test_job_writes_into_a_folder_of_its_own_under_build(job, tmp_path, monkeypa
     assert asked[0].parent == Path("build") and asked[0].name in ("toml", "job", "tunnel.v2")
 
 
-def test_litres_of_a_cut_are_those_that_its_ground_has_lost(job):
-    made = read_job(job())
-    cut = made.simulated()
+def test_litres_of_a_cut_are_those_that_its_ground_has_lost(cut):
+    made, cut = cut
     lines = cut.wall.lines
     begins = made.planned.circuit.section.ray(np.arctan2(lines.sin, lines.cos))
     lost = DexelGrid(lines, begins, cut.wall.high.max(axis=0)).volume - cut.wall.volume
