@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.controllers import job_with
 from tunneller_lib.job import read_job
 from tunneller_lib.job.remedies import changed, halved_by
 from tunneller_lib.motion import (
@@ -74,11 +75,6 @@ def test_each_source_of_a_plan_alone_leaves_its_closed_form(circuit, source, opt
     assert fault.along == (source == "feed ripple")
     if source == "knots":
         assert fault.under > fault.over  # chords keep inside
-    if source == "corners":
-        assert fault.closed <= options["tolerance"] / 2 * 1.01
-    if source == "feed ripple":  # a move of N ticks has at most 1/N of the acceleration
-        ticks = job(circuit, **options).ticks[:-1].max()
-        assert fault.closed <= options["acceleration"] / 8 * 0.005**2 * ticks
 
 
 @pytest.mark.parametrize("tolerance", [3e-3, 1e-3, 2e-4])
@@ -309,13 +305,10 @@ def test_a_remedy_is_what_a_run_confirms_and_says_what_is_left(powers, found, ru
 
 def test_each_key_that_cut_says_does_to_the_job_what_it_says():
     """By the job with the key changed, planned and run anew."""
-    job = read_job(REFERENCE)
-    job = replace(
-        job,
-        controller={**job.controller, "plant": "T1", "gain": 8.0, "feedforward": 0.5,
-                    "encoder": np.radians(0.02)},
-        limits={**job.limits, "feed": 0.06},
-        pose={"y": 1e-3, "roll": np.radians(0.1)},
+    job = job_with(
+        read_job(REFERENCE),
+        controller={"plant": "T1", "gain": 8.0, "feedforward": 0.5, "encoder": np.radians(0.02)},
+        limits={"feed": 0.06}, pose={"y": 1e-3, "roll": np.radians(0.1)},
     )  # fmt: skip
 
     def case(job):
@@ -333,7 +326,7 @@ def test_each_key_that_cut_says_does_to_the_job_what_it_says():
         table, name = re.fullmatch(r"\[(\w+)\] ?(\w*)", key).groups()
         keys = getattr(job, table)
         scaled = {one: factor * keys[one] for one in ([name] if name else keys)}
-        after = case(replace(job, **{table: {**keys, **scaled}})).fault(fault.source)
+        after = case(job_with(job, **{table: scaled})).fault(fault.source)
         assert 0.4 <= left <= 0.6
         assert after.measured == pytest.approx(left * fault.measured, rel=1e-3), fault.source
 
@@ -341,8 +334,7 @@ def test_each_key_that_cut_says_does_to_the_job_what_it_says():
 def test_no_key_is_named_that_a_job_lacks():
     job = read_job(REFERENCE)
     assert changed(job, "power", 0.5).limits["power"] == 1.5e3
-    del job.limits["power"]
-    assert changed(job, "power", 0.5) is None
     assert changed(job, "encoder", 0.5).plan["count"] == job.plan["count"] / 2
-    del job.plan["step"]
+    del job.limits["power"], job.plan["step"]
+    assert changed(job, "power", 0.5) is None
     assert changed(job, "step", 0.5).plan["step"] == 2.5e-3  # half of what a plan takes unless told
