@@ -1,6 +1,7 @@
 """Grids of intervals (dexels): what is left of a block or of a tunnel's wall after cuts."""
 
 import os
+from functools import partial
 
 import numpy as np
 
@@ -183,23 +184,22 @@ class DexelGrid:
             The volume, in m^3.
         """
         a, b = (centres, centres) if len(centres) == 1 else (centres[:-1], centres[1:])
-        compiled.expect(MOVE * len(a), "grid")
         windows = self.lines.windows(a, b, radius, self._nearest).tolist()
         removed = 0.0
         for here in range(0, len(a), GROUP):
             moves = slice(here, here + GROUP)
             window = self.lines.around(windows[moves])
             if _count(window) <= GREATER * max(map(_count, windows[moves])):
-                removed += self._sweep(a[moves], b[moves], radius, window)
+                removed += self._take(self._met_by(a[moves], b[moves], radius, window))
             else:
                 # Long moves one after the other: most lines of the window are met by none.
                 for start, end, one in zip(a[moves], b[moves], windows[moves], strict=True):
-                    removed += self._sweep(start[None], end[None], radius, one)
+                    removed += self._take(self._met_by(start[None], end[None], radius, one))
         return removed
 
     @checked
     def front(self, centres: Centres, radius: Length):
-        """Return what a ball would remove along a path, and where; nothing is removed.
+        """Return what a ball would remove along a path, where, and how to have it removed.
 
         Parameters
         ----------
@@ -216,6 +216,9 @@ class DexelGrid:
             The sum of the ball's surface over all places where it would cut, each along the
             outward normal, in m^2: a further short move d removes the dot product area . d more,
             as long as it goes on cutting there.
+        cut : function
+            Called without arguments it removes this and returns the volume, in m^3; only while
+            the material is as it was.
         """
         if len(centres) < 2:
             raise ValueError(f"centres: must be at least two; got {len(centres)}.")
@@ -223,12 +226,13 @@ class DexelGrid:
         window = self.lines.around(self.lines.windows(a, b, radius, self._nearest).tolist())
         volume = 0.0
         area = np.zeros(3)
-        for i, j, enters, leaves in self._met_by(a, b, radius, window):
+        cuts = list(self._met_by(a, b, radius, window))
+        for i, j, enters, leaves in cuts:
             # Moves that follow each other take one interval of a line together.
             for found in self._met(enters.min(axis=0), leaves.max(axis=0), i, j):
                 volume += self._shared(*found)[0]
                 area += self._facing(*found, b[-1], radius)
-        return volume, area
+        return volume, area, partial(self._take, cuts)
 
     def _facing(self, slot, place, enter, leave, centre, radius):
         """Return the area vector (3,), in m^2, of the part of a ball that cuts.
@@ -245,6 +249,8 @@ class DexelGrid:
             (leave, 1.0, leave < self.high[slot][place]),
             (enter, -1.0, enter > self.low[slot][place]),
         ):
+            if not within.any():  # nearly always where cuts enter, from the hollow of the tunnel
+                continue
             ends = np.stack([lines.x[i], lines.aside[j] * sin, -lines.aside[j] * cos], axis=-1)
             ends += t[:, None] * np.stack([0 * cos, cos, sin], axis=-1)
             out = ends - centre
@@ -254,10 +260,10 @@ class DexelGrid:
             area += np.sum(out * (cells / along)[:, None], axis=0)
         return area
 
-    def _sweep(self, a, b, radius, window):
-        """Remove what a ball sweeps in moves from a to b (k, 3) and return the volume."""
+    def _take(self, cuts):
+        """Remove cuts as `_met_by` yields them, and return the volume, in m^3."""
         removed = 0.0
-        for i, j, enters, leaves in self._met_by(a, b, radius, window):
+        for i, j, enters, leaves in cuts:
             for enter, leave in zip(enters, leaves, strict=True):
                 removed += self._taken(enter, leave, i, j)
         return removed
@@ -274,6 +280,7 @@ class DexelGrid:
         middle = (a[0] + b[-1]) / 2
         away = norm(np.concatenate([a, b]) - middle).max()
         about = (radius + away) * (1 + 1e-9)
+        compiled.expect(MOVE * len(a), "grid")
         met = self._moves_one_by_one if compiled.ready("grid") else self._moves_at_once
         for rows, columns in self.lines.blocks(window):
             yield met(a, b, radius, middle, about, rows, columns)
