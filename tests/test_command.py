@@ -149,7 +149,6 @@ WRONG = [
     ({"phi_max_deg = 40": "phi_max_deg = 40\nphi_max = 0.7"}, 2,
      r"^\[machine\] phi_max: is given in radians and in degrees\.$"),
     ({"theta_min_deg = -60": ""}, 2, r"theta_min: is missing \(rad, or theta_min_deg\)\.$"),
-    ({EGG: 'shape = "circle"'}, 2, r"^\[section\] a: isn't known; known are radius\.$"),
     ({EGG: 'shape = "pieces"', "a = 0.5 ": 'pieces = [{kind = "line", y = 0}]\n#'}, 2,
      r"^\[section\.pieces 1\] z: is missing \(m\)\.$"),
     ({"[wall]": "[walls]"}, 2, r"^\[walls\]: is no table of a job; 'wall' is meant, perhaps\.$"),
@@ -170,7 +169,6 @@ WRONG = [
     ({"along = 40": "along = 2001", "around = 60": "around = 2000"}, 1,
      r"^\[wall\] along, around: must be at most 4000000 rays together; got 2001 x 2000\.$"),
     ({'"T0"': '"T3"', "gain = 10": "gain = 1000"}, 1, r"^\[controller\] gain .* needs 1e\+03 1/s"),
-    ({"arm_radius = 0.1": "arm_radius = 0.3"}, 1, r"^\[plan\] arm_radius: an arm of 0\.3 m is"),
     (BODY | {"# width = 0.3": "width = 0.9"}, 1, r"^\[body\] its box is 0\.0"),
     ({"# [hydraulics]": "", "# volume = 2e-4": "power = 3e3"}, 1, r"\] power: needs a table"),
 ]  # fmt: skip
