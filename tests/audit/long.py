@@ -66,8 +66,9 @@ def repeated(name):
     return not run.returncode, f"{said}, {seconds:.0f} s"
 
 
-def git(*words):
-    return subprocess.run(["git", *words], cwd=ROOT, text=True, capture_output=True).stdout
+def git(*words, folder=ROOT):
+    done = subprocess.run(["git", *words], cwd=folder, text=True, capture_output=True)
+    return done.stdout.strip()
 
 
 def main(*names):
@@ -77,7 +78,7 @@ def main(*names):
     before = TABLE.read_text(encoding="utf-8")
     rows = {name: row for row, name in re.findall(r"^(\| (tests/\w+\.py) \|.*)$", before, re.M)}
     _, mark, notes = before.partition("\n## Notes\n")
-    commit = git("describe", "--always").strip()
+    commit = git("describe", "--always")
     if git("diff", "--name-only", "HEAD", "--", f":!{TABLE.relative_to(ROOT)}"):
         commit += "-dirty"
     passed = True

@@ -23,9 +23,15 @@ MOVE = """(() => {{
 }})()"""
 
 
+def pages_with(mark):
+    return [p for p in sorted((LIVE / "chapters").glob("*.html")) if mark in p.read_text()]
+
+
 def chapters():
-    pages = sorted((LIVE / "chapters").glob("*.html"))
-    return [page for page in pages if page.stem in RUNS and "data-program" in page.read_text()]
+    return [page for page in WITH_SLIDERS if page.stem in RUNS]
+
+
+WITH_SLIDERS, WITH_EXERCISES = pages_with("data-program"), pages_with("data-exercise")
 
 
 def start(browser, page):
@@ -83,11 +89,6 @@ def test_slider_moves_a_picture_at_once(browser, page):
     assert ready < 20 and usual < 300
 
 
-WITH_SLIDERS = [
-    p for p in sorted((LIVE / "chapters").glob("*.html")) if "data-program" in p.read_text()
-]
-
-
 @pytest.mark.parametrize("kind", ["browser", "fox"])
 @pytest.mark.parametrize("page", WITH_SLIDERS, ids=lambda page: page.stem)
 def test_every_slider_redraws_and_nothing_is_asked_outside(request, kind, page):
@@ -131,11 +132,6 @@ def moved_all(browser, page):
         f"of processors {median(worked):.0f}, at a load of {os.getloadavg()[0]:.1f}"
     )
     return said, median(worked)
-
-
-WITH_EXERCISES = [
-    p for p in sorted((LIVE / "chapters").glob("*.html")) if "data-exercise" in p.read_text()
-]
 
 
 def digits_apart(text, page):

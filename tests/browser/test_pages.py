@@ -132,12 +132,8 @@ def test_permalinks_lead_to_their_headings_also_after_a_reload(request, kind, na
     place = f"document.getElementById('{own}').getBoundingClientRect().top"
     seen = "new Promise((done) => setTimeout(() => done(true), 300))"  # pictures come meanwhile
     browser.run(f"document.querySelector('.permalink[href=\"{link}\"]').click()")
-    for again in (
-        "true",
-        "(location.reload(), true)",
-        f"(location.replace('{address}{link}'), true)",
-    ):
-        browser.run(again)
+    for again in ("", "location.reload(), ", f"location.replace('{address}{link}'), "):
+        browser.run(f"({again}true)")
         time.sleep(0.5)
         browser.until("document.readyState === 'complete'")
         browser.run(seen)

@@ -190,11 +190,8 @@ def test_form_s_fields_have_the_words_of_their_own_lines(browser):
         spelt = key.removesuffix("_deg").replace("theta", "θ").replace("phi", "φ")
         assert name == spelt.replace("_", " ")
     units = {full: unit for full, _, unit, _ in shown}
-    assert [units[name] for name in ("machine.r", "ground.ripple", "section.shape")] == [
-        "m",
-        "",
-        "",
-    ]
+    names = "machine.r", "ground.ripple", "section.shape"
+    assert [units[name] for name in names] == ["m", "", ""]
 
 
 SKETCH = "document.getElementById('sketch')"
