@@ -26,7 +26,7 @@ from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Case, Limits, Pose, budget, halving, plan, starved, trailing
 from tunneller_lib.ream.error_budget import Fault
-from tunneller_lib.ream.sensitivity import geodesic_bend, gradient, joint_bend, rounding_passed
+from tunneller_lib.ream.sensitivity import gradient, joint_bend, rounding_passed
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 READS = ["notebooks/reference.toml"]
@@ -261,16 +261,6 @@ def test_gradient_and_bend_against_differences_of_the_overbreak(circuit):
         away = np.min(np.abs(s[:, None] - circuit.profile.blends), axis=1) > 2e-3
         found = joint_bend(circuit, s, q, np.broadcast_to(rate, q.shape))
         np.testing.assert_allclose(found[away], bend[away], atol=2e-3)
-
-
-def test_geodesic_bend_of_a_great_torus_is_the_sections_curvature():
-    flat = replace(REFERENCE_MACHINE, r=1e-9, R=500.0, height=0.0)
-    circuit = cutting_circuit(flat, Egg(0.5))
-    s = np.linspace(0.01, circuit.profile.perimeter - 0.01, 40)
-    normal = circuit.profile.normal(s)
-    along = np.stack([np.zeros_like(s), -normal[:, 1], normal[:, 0]], axis=-1)
-    found = geodesic_bend(circuit, s, circuit.position(s), along)
-    np.testing.assert_allclose(found, circuit.profile.curvature(s), atol=0.02)
 
 
 # What halves a fault
