@@ -9,9 +9,10 @@ import sympy
 from sympy.physics import mechanics
 
 from tests.controllers import job_with
+from tests.test_ground_coupling import ARM, AXES, CIRCUIT, LOOP, OILY, SIZES, planned
 from tunneller_lib.job import read_job
-from tunneller_lib.motion import Compressible, Loop, Push, follow, reference_axes
-from tunneller_lib.motion.arm import Arm, couplings
+from tunneller_lib.motion import Compressible, Push, follow, reference_axes
+from tunneller_lib.motion.arm import couplings
 from tunneller_lib.motion.both_joints import machine_of as joints_of
 from tunneller_lib.motion.both_joints import machine_slopes
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
@@ -27,15 +28,9 @@ READS = ["notebooks/reference.toml"]
 
 REFERENCE = Path(__file__).resolve().parents[1] / "notebooks" / "reference.toml"
 
-ARM = Arm(0.08, 0.80, head=30.0, beam=60.0)
 CONCRETE = Ground(20e6, 2.0, normal=0.5, ripple=0.3, ripple_frequency=12.0)
 MORTAR = replace(CONCRETE, energy=5e6)
 SOFT = replace(CONCRETE, energy=3e6)
-CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
-SIZES = usual_sizes(REFERENCE_MACHINE)
-AXES = axes_of(REFERENCE_MACHINE, SIZES)
-OILY = [Compressible(axis) for axis in AXES]
-LOOP = Loop(10.0, 5e-3, delay=1, feedforward=1.0)
 RAMP = np.stack([0.1 * (1 - np.cos(np.linspace(0, 3, 400))), np.linspace(0.3, 0.1, 400)], axis=-1)
 SLOPES = np.diff(RAMP, axis=0) / 5e-3
 
@@ -137,18 +132,11 @@ def test_push_resists_each_joint_by_its_parts(rates):
 # The ground
 
 
-def lap(ground, **options):
-    """Return a plan of the reference machine in a ground, within the power of its head."""
-    limits = Limits(feed=0.1, acceleration=0.5, power=3000, valve=0.8, flow=SIZES.pump, axes=AXES,
-                    ground=ground)  # fmt: skip
-    return plan(CIRCUIT, limits, **({"tolerance": 1e-3} | options))
-
-
 def test_feed_keeps_the_power_of_the_head_and_the_oil_of_the_valves():
-    made = lap(CONCRETE)
+    made = planned(CONCRETE)
     power = CONCRETE.power(engaged_areas(CIRCUIT, made.places) * np.gradient(made.reached, 5e-3))
     assert power.max() == pytest.approx(3000, rel=1e-3)
-    assert lap(replace(CONCRETE, energy=40e6)).lap_time == pytest.approx(
+    assert planned(replace(CONCRETE, energy=40e6)).lap_time == pytest.approx(
         2 * made.lap_time, rel=0.03
     )
     # With all the power that one likes the axes' oil decides.
@@ -175,7 +163,7 @@ def test_loaded_axis_goes_as_fast_as_its_pressure_allows():
 def even_cut():
     """Return a plan in soft mortar whose even picks let no speed swing, and its cut."""
     even = replace(SOFT, ripple=0.0)
-    short = plan(CIRCUIT, replace(lap(even).limits, feed=0.12), tolerance=5e-3, rest=0.2)
+    short = plan(CIRCUIT, replace(planned(even).limits, feed=0.12), tolerance=5e-3, rest=0.2)
     return short, simulate(short, OILY, LOOP, shape=(40, 90), arm=ARM, ground=even)
 
 
@@ -257,7 +245,7 @@ def test_loads_leave_what_their_closed_forms_say(monkeypatch, scale, section, si
 
 
 def test_ground_holds_back_by_the_groove_that_is_really_cut():
-    made = lap(CONCRETE, tolerance=5e-3, rest=0.2)
+    made = planned(CONCRETE, tolerance=5e-3, rest=0.2)
     off = loads.held_back(made, OILY, [LOOP] * 2, CONCRETE)
     depth = REFERENCE_MACHINE.depth
     left = removed_volume(0.2, 1.0, depth + off) / removed_volume(0.2, 1.0, depth)
@@ -282,7 +270,7 @@ def test_usual_sizes_grow_as_similar_machines_do(scale):
 
 
 def test_capability_says_what_is_lacking_and_what_would_do():
-    made = lap(CONCRETE)
+    made = planned(CONCRETE)
     found = {margin.what: margin for margin in capability(made, OILY, LOOP, SIZES)}
     assert all(margin.enough for margin in found.values()) and len(found) == 9
     assert found["torque of theta"].has > 1.05 * found["torque of theta"].needs
