@@ -232,8 +232,8 @@ def test_rigid_follows_a_solver(axis):
 
     plant = Rigid(axis)
     given = 0.02, [0.4, -0.2, 0.3], plant.rest(0.1)
-    found = solved(slopes, *given, rtol=1e-9, atol=1e-12, max_step=1e-3)
-    np.testing.assert_allclose(run(plant, *given), found, atol=2e-6)
+    found = solved(slopes, *given, rtol=1e-11, atol=1e-13, max_step=1e-3)
+    np.testing.assert_allclose(run(plant, *given), found, atol=1e-7)
 
 
 def test_compressible_oil_is_held_at_no_pressure_and_not_before():

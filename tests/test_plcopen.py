@@ -9,10 +9,13 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from tests.controllers import job_with, with_program
 from tests.structured_text import IEC_KEYWORDS
 from tunneller_lib.job.controller_texts import plcopen_xml
+from tunneller_lib.motion.export import _number
 
 READS = ["tests/references/reference_job.toml", "tunneller_lib/job/*", "tunneller_lib/motion/*"]
 
@@ -143,6 +146,14 @@ def test_xml_has_the_texts_and_variables_of_the_structured_text(texts):
         assert f"TASK {name}(INTERVAL := {interval}, PRIORITY := {priority});" in configuration
         instance, kind = one[0].get("name"), one[0].get("typeName")
         assert f"PROGRAM {instance} WITH {name} : {kind};" in configuration
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=40))
+@example([-5e-05, 1e22, -0.0])
+def test_any_floats_are_legal_literals_and_the_same_numbers(values):
+    rows = [one.strip() for one in _number(values).strip("[]").split(",")]
+    assert all(re.fullmatch(LEGAL["LREAL"], one) for one in rows)
+    assert [float(one).hex() for one in rows] == [value.hex() for value in values]
 
 
 def test_every_number_of_the_texts_is_legal_and_of_its_variables_type(texts):
