@@ -261,6 +261,7 @@ def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job
     made = read_job(job({"laps = 1": "laps = 3"}))
     cut = made.simulated()
     numbers = results.summarise(made, cut)
+    assert numbers["underbreak_m"] == max(0, -cut.deviation.min())
     first, last = numbers["each_lap"]
     assert (first["lap"], last["lap"]) == (1, 3)
     assert last["removed_m3"] < 0.6 * first["removed_m3"]
@@ -318,6 +319,7 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     assert any(line.startswith("lap 1, in whole ground: overbreak 0.") for line in lines)
     assert knots[0] == "knots" and knots[5:11] == "largest 1.00 [plan] tolerance x 0.50".split()
     assert 0.4 <= float(knots[11]) <= 0.6 and knots[12:] == ["your", "choice"]
+    assert float(knots[1]) < float(knots[2]) < 1  # chords keep inside
 
 
 def without(package, *arguments):
