@@ -1,6 +1,6 @@
 """Examples for the room paths."""
 
-from tunneller_lib.paths import CHORD_PATHS, ChordLaw, ConeChord, geodesic_inverse
+from tunneller_lib.paths import CHORD_PATHS, ConeChord, geodesic_inverse
 from tunneller_lib.paths.chord_paths import ChordPath
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.paths.direct_problem import GeodesicPoints
@@ -10,7 +10,6 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 _GEODESIC = geodesic_inverse(Torus(0.08, 0.8), (0.3, 0.2), [(-0.4, 0.1), (0.5, -0.6)])
 
 INSTANCES = {
-    ChordLaw: ChordLaw((0.3, 0.2), (-0.4, 0.1)),
     ChordPath: CHORD_PATHS["one-third rule"],
     Circuit: Circuit(REFERENCE_MACHINE, Egg(0.5)),
     ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),

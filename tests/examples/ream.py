@@ -6,10 +6,8 @@ from tunneller_lib.motion import Compressible, Integrator, Loop, reference_axes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Case, Limits, Pose, carve, plan, simulate
-from tunneller_lib.ream.clearance import PartClearance
 from tunneller_lib.ream.cutting import Cut
 from tunneller_lib.ream.error_budget import Fault
-from tunneller_lib.ream.moves import Moves
 from tunneller_lib.ream.planning import Plan
 from tunneller_lib.ream.route import Route, route_through
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
@@ -31,8 +29,6 @@ INSTANCES = {
     Cut: CUT,
     Fault: Case(PLAN).fault("knots"),
     Limits: LIMITS,
-    Moves: PLAN.entry,
-    PartClearance: PLAN.clearances[0],
     Plan: PLAN,
     Pose: Pose(y=1e-3),
     Route: route_through(CIRCUIT, PLAN.knots),
