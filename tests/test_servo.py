@@ -19,22 +19,10 @@ from tunneller_lib.motion import (
     polyline,
     polyline_slopes,
     reference_axes,
+    stability,
 )
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
-from tunneller_lib.motion.stability import (
-    continuous_limit,
-    delay_limit,
-    eigenvalue_limit,
-    gain_limit,
-    integral_limits,
-    is_stable,
-    lag_limit,
-    resonance_limit,
-    ripple,
-    sampled_resonance_limit,
-    stable_gains,
-)
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 T = 0.005
@@ -54,60 +42,64 @@ def ramp(speed, ticks, tick=T):
 @pytest.mark.parametrize("delay", range(9))
 @pytest.mark.parametrize("tick", [1e-4, T, 0.3])
 def test_delay_limit_is_that_of_the_eigenvalues(delay, tick):
-    limit = delay_limit(tick, delay)
-    found = eigenvalue_limit(Integrator(0.5), Loop(limit / 3, tick, delay=delay))
+    limit = stability.delay_limit(tick, delay)
+    found = stability.eigenvalue_limit(Integrator(0.5), Loop(limit / 3, tick, delay=delay))
     assert found == pytest.approx(limit, rel=1e-9)
 
 
 @given(log_uniform(1e-5, 1e2), log_uniform(1e-4, 1.0))
 def test_lag_limit_is_that_of_the_eigenvalues(lag, tick):
-    limit = lag_limit(lag, tick)
-    found = eigenvalue_limit(Lag(0.5, lag), Loop(limit / 50, tick))
+    limit = stability.lag_limit(lag, tick)
+    found = stability.eigenvalue_limit(Lag(0.5, lag), Loop(limit / 50, tick))
     assert found == pytest.approx(limit, rel=1e-9)
 
 
 @given(log_uniform(1e-3, 1.9), log_uniform(1e-3, 1.0))
 def test_integral_limits_are_those_of_the_eigenvalues(root, tick):
     integral = (root / tick) ** 2
-    limits = integral_limits(integral, tick)
-    found = stable_gains(Integrator(0.5), Loop(np.mean(limits), tick, integral=integral))
+    limits = stability.integral_limits(integral, tick)
+    found = stability.stable_gains(Integrator(0.5), Loop(np.mean(limits), tick, integral=integral))
     assert found == pytest.approx(limits, rel=1e-9)
 
 
 def test_gains_are_stable_with_an_integral_till_none_is_left():
-    assert integral_limits(4 / T**2, T) == pytest.approx((4 / T, 4 / T))
-    assert stable_gains(Integrator(0.5), Loop(1.0, T, integral=5 / T**2)) == (np.inf, 0.0)
+    assert stability.integral_limits(4 / T**2, T) == pytest.approx((4 / T, 4 / T))
+    assert stability.stable_gains(Integrator(0.5), Loop(1.0, T, integral=5 / T**2)) == (np.inf, 0.0)
 
 
 def test_stable_gains_of_oil_are_those_at_the_worst_angle():
     plant = Compressible(AXES[0])
     angles = np.linspace(-0.8, 0.4, 5)
-    low, high = stable_gains(plant, Loop(1.0, T, integral=5.0), angles)
-    each = [stable_gains(plant, Loop(1.0, T, integral=5.0), angle) for angle in angles]
+    low, high = stability.stable_gains(plant, Loop(1.0, T, integral=5.0), angles)
+    each = [stability.stable_gains(plant, Loop(1.0, T, integral=5.0), angle) for angle in angles]
     assert (low, high) == pytest.approx((max(a for a, _ in each), min(b for _, b in each)))
-    assert 0 < low < 1 and high == pytest.approx(gain_limit(plant, Loop(1.0, T), angles), rel=0.01)
+    assert 0 < low < 1 and high == pytest.approx(
+        stability.gain_limit(plant, Loop(1.0, T), angles), rel=0.01
+    )
     inside, outside = (Loop(gain, T, integral=5.0) for gain in (0.99 * high, 1.01 * high))
-    assert is_stable(plant, inside, angles) and not is_stable(plant, outside, angles)
+    assert stability.is_stable(plant, inside, angles) and not stability.is_stable(
+        plant, outside, angles
+    )
 
 
 @given(log_uniform(1.0, 1e4), log_uniform(0.01, 3.0), log_uniform(1e-3, 1e2))
 def test_resonance_limit_behind_a_valve_is_that_of_the_eigenvalues(frequency, damping, share):
     """And without one; a plant livelier than its steady gain bears less."""
     lag = share / frequency
-    limit = resonance_limit(frequency, damping, lag)
+    limit = stability.resonance_limit(frequency, damping, lag)
     for plant, wanted in (
-        (Resonance(0.5, frequency, damping), resonance_limit(frequency, damping)),
+        (Resonance(0.5, frequency, damping), stability.resonance_limit(frequency, damping)),
         (ValveResonance(0.5, 0.5, frequency, damping, lag), limit),
         (ValveResonance(0.6, 0.5, frequency, damping, lag), limit / 1.2),
     ):
-        assert continuous_limit(plant) == pytest.approx(wanted, rel=1e-9)
+        assert stability.continuous_limit(plant) == pytest.approx(wanted, rel=1e-9)
 
 
 @given(log_uniform(1.0, 1e4), log_uniform(0.01, 3.0), log_uniform(0.01, 30.0))
 def test_sampled_resonance_limit_is_that_of_the_eigenvalues(frequency, damping, phase):
     tick = phase / frequency
-    limit = sampled_resonance_limit(frequency, damping, tick)
-    found = eigenvalue_limit(Resonance(0.5, frequency, damping), Loop(limit / 50, tick))
+    limit = stability.sampled_resonance_limit(frequency, damping, tick)
+    found = stability.eigenvalue_limit(Resonance(0.5, frequency, damping), Loop(limit / 50, tick))
     assert found == pytest.approx(limit, rel=1e-9)
 
 
@@ -125,7 +117,7 @@ LOOPS += [(tier(AXES[axis]), angle, options, near)
 def test_loops_swing_up_beyond_the_limit_of_the_eigenvalues_and_are_said_to(
     plant, angle, options, near
 ):
-    limit = eigenvalue_limit(plant.linear(angle), Loop(12.0, T, **options))
+    limit = stability.eigenvalue_limit(plant.linear(angle), Loop(12.0, T, **options))
     step = np.concatenate([[angle], np.full(1500, angle + 1e-5)])
     calm, wild = (follow(plant, Loop(f * limit, T, **options), step) for f in (1 - near, 1 + near))
     assert calm.stable == (True,) and wild.stable == (False,)
@@ -179,7 +171,9 @@ def test_ripple_is_that_of_a_staircase(interval, speed):
     rates = follow(plant, Loop(gain, tick), staircase).states[0][-2 * parts : -parts, 1]
     harmonics = 2 * np.abs(np.fft.rfft(rates)) / parts / speed
     for k in (1, 2, 3):
-        assert harmonics[k] == pytest.approx(ripple(plant, gain, interval, k), rel=0.02, abs=1e-5)
+        assert harmonics[k] == pytest.approx(
+            stability.ripple(plant, gain, interval, k), rel=0.02, abs=1e-5
+        )
 
 
 # ---- arguments ------------------------------------------------------------------------------
