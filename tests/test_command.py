@@ -168,8 +168,6 @@ WRONG = [
      r"^\[section\] pieces: 1 of 1 isn't met: it isn't closed; the gap is 1 m\.$"),
     ({"along = 40": "along = 2001", "around = 60": "around = 2000"}, 1,
      r"^\[wall\] along, around: must be at most 4000000 rays together; got 2001 x 2000\.$"),
-    ({'"T0"': '"T3"', "gain = 10": "gain = 1000"}, 1, r"^\[controller\] gain .* needs 1e\+03 1/s"),
-    (BODY | {"# width = 0.3": "width = 0.9"}, 1, r"^\[body\] its box is 0\.0"),
     ({"# [hydraulics]": "", "# volume = 2e-4": "power = 3e3"}, 1, r"\] power: needs a table"),
 ]  # fmt: skip
 

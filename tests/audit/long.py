@@ -39,7 +39,8 @@ def asked(path, examples=()):
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         for call in ast.walk(node):
             if isinstance(call, ast.Call) and ast.unparse(call.func) == "many":
-                yield tuple(map(ast.literal_eval, call.args))
+                given = map(ast.literal_eval, call.args)
+                yield tuple(len(one) if isinstance(one, tuple) else one for one in given)
         around = " ".join(map(ast.unparse, getattr(node, "decorator_list", [])))
         if "given(" in around and "max_examples" not in around:
             yield from examples
