@@ -45,7 +45,7 @@ def machine_of(scale):
 
 @pytest.mark.parametrize("motion", [(0.3, 0.5, 0.7, -0.4), (-0.9, -0.6, -0.2, 0.5), (0, 0, 1, 1)])
 def test_arm_moves_as_points_along_it_do(motion):
-    """By Lagrange's equations with differences of the energies of a thousand points and the head."""
+    """By Lagrange's equations and differences of energies: a thousand points, and the head."""
     theta, phi, lifting, swinging = motion
     s = ARM.R * np.append((np.arange(1000) + 0.5) / 1000, 1.0)
     mass = np.append(np.full(1000, ARM.beam / 1000), ARM.head)
@@ -58,12 +58,10 @@ def test_arm_moves_as_points_along_it_do(motion):
 
     h = 1e-5
     change = (inertia(phi + h) - inertia(phi - h)) / (2 * h)
-    weight = (
-        held(theta + h, phi) - held(theta - h, phi),
-        held(theta, phi + h) - held(theta, phi - h),
-    )
+    by_theta, by_phi = ((held(theta + a, phi + b) - held(theta - a, phi - b)) / (2 * h)
+                        for a, b in ((h, 0), (0, h)))  # fmt: skip
     assert ARM.inertias(phi) == pytest.approx((inertia(phi), mass @ s**2), rel=1e-6)
-    assert ARM.weight((theta, phi)) == pytest.approx(np.divide(weight, 2 * h), rel=1e-5, abs=1e-5)
+    assert ARM.weight((theta, phi)) == pytest.approx((by_theta, by_phi), rel=1e-5, abs=1e-5)
     wanted = change * lifting * swinging, -change * lifting**2 / 2
     assert couplings(ARM.moments, phi, lifting, swinging) == pytest.approx(wanted, rel=1e-5)
 
