@@ -1,13 +1,11 @@
 """The law of the tangent-sphere path's error for chords of any length."""
 
-import csv
-
 import numpy as np
 import pytest
 from mpmath import mp
 from scipy.optimize import brentq, minimize
 
-from tests.references import short_chords
+from tests.references import short_chords, tables
 from tunneller_lib.paths import CHORD_PATHS, ChordLaw, geodesic_inverse, path_length
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -148,8 +146,7 @@ def test_bound_holds_up_to_the_horn_and_not_on_rings():
 
 
 def test_table_of_short_chords_is_what_its_script_writes():
-    with short_chords.TABLE.open(newline="") as file:
-        header, *rows = csv.reader(file)
+    header, rows = tables.read(short_chords.TABLE)
     assert header == short_chords.COLUMNS
     assert len(rows) == 48
     assert rows[0] == next(short_chords.rows())

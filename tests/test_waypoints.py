@@ -3,12 +3,12 @@
 They are the library's corrected chord. Their cost is measured by references/controller_cycles.py.
 """
 
-import csv
 import ctypes
 
 import numpy as np
 import pytest
 
+from tests.references import tables
 from tests.references.controller_cycles import WAYPOINTS, waypoints_c99
 from tests.references.waypoint_operations import COLUMNS, TABLE, rows, waypoints
 from tests.test_export import built, compilers
@@ -75,6 +75,5 @@ def test_c_agrees_to_a_tenth_of_a_count(tmp_path, compiler):
 
 def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
     counted = list(rows())
-    with TABLE.open(newline="") as file:
-        assert list(csv.reader(file)) == [COLUMNS, *(list(map(str, row)) for row in counted)]
+    assert tables.read(TABLE) == (COLUMNS, [list(map(str, row)) for row in counted])
     assert counted[-1] == [32, 1514, 103, 144] and sum(counted[-1][1:]) <= 6 * CHORD

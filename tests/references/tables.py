@@ -1,4 +1,4 @@
-"""How the scripts of this folder write their tables: one header line, and row by row."""
+"""How the tables of this folder are written and read: one header line, and row by row."""
 
 import csv
 
@@ -11,3 +11,10 @@ def write(table, columns, rows):
         for row in rows:
             writer.writerow(row)
             file.flush()
+
+
+def read(table):
+    """Return a table's header and its rows, lists of texts."""
+    with table.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return header, rows
