@@ -36,33 +36,25 @@ sys.exit(__main__.main())
 """
 
 
-def packed():
-    """Return what setuptools packs: the modules of folders with an __init__, and declared data."""
-    modules = {file for file in PACKAGE.rglob("*.py") if (file.parent / "__init__.py").exists()}
-    data = {
+@pytest.fixture
+def installed(tmp_path):
+    """Return a folder with the library alone."""
+    package = tmp_path / "site" / PACKAGE.name
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    return package.parent
+
+
+def test_wheel_has_all_of_the_library():
+    """Setuptools packs the modules of folders with an __init__, and data that is declared."""
+    files = {p for p in PACKAGE.rglob("*") if p.is_file() and "__pycache__" not in p.parts}
+    declared = {
         file
         for package, patterns in DATA.items()
         for pattern in patterns
         for file in ROOT.joinpath(*package.split(".")).glob(pattern)
     }
-    return modules | data
-
-
-@pytest.fixture
-def installed(tmp_path):
-    """Return a folder with what setuptools packs."""
-    for file in packed():
-        place = tmp_path / "site" / file.relative_to(ROOT)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(file, place)
-    return tmp_path / "site"
-
-
-def test_wheel_has_all_of_the_library():
-    every = {
-        path for path in PACKAGE.rglob("*") if path.is_file() and "__pycache__" not in path.parts
-    }
-    assert every == packed()
+    assert declared == {file for file in files if file.suffix != ".py"}
+    assert {file.parent for file in files} == {file.parent for file in PACKAGE.rglob("__init__.py")}
 
 
 def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_path):
