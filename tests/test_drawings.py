@@ -6,11 +6,12 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 
-from exhibits import motion_plot, response_plot
+from exhibits import groove_plot, machine_plot, motion_plot, response_plot
 from exhibits.shaded import draw_shaded, on_paper
 from kit import COLOURS, figure
 from tunneller_lib.motion import Integrator, Loop, Resonance, follow
 from tunneller_lib.motion.tasks import HandOver, Task
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 SQUARE = np.stack(np.meshgrid([-1.0, 1.0], [-1.0, 1.0], [0.0], indexing="ij"), axis=-1)[:, :, 0]
 
@@ -20,6 +21,25 @@ def ax():
     drawing, ax = figure(height=4)
     yield ax
     plt.close(drawing)
+
+
+# ---- the machine, rods and balls ------------------------------------------------------------
+
+
+def test_side_view_has_the_tunnels_levels_thin_where_no_wall_is(ax):
+    egg = Egg(0.5)
+    machine_plot.draw_side_view(ax, REFERENCE_MACHINE, egg, -0.4)
+    levels = {line.get_ydata()[0]: line for line in ax.lines if line.get_zorder() == 0}
+    assert set(levels) == {egg.a, 0.0, -2 * egg.a}
+    assert levels[0.0].get_linestyle() == "--"
+    assert levels[0.0].get_linewidth() < levels[egg.a].get_linewidth()
+
+
+def test_bowl_lies_beyond_the_middle_of_two_balls_and_the_ring_between_them(ax):
+    groove_plot.draw_two_balls(ax, 0.5, 0.2)
+    for collection, ends in zip(ax.collections, ((0.1, 0.7), (0.0, 0.2)), strict=False):
+        across = collection.get_paths()[0].vertices[:, 0]
+        assert (across.min(), across.max()) == pytest.approx(ends, abs=5e-3)
 
 
 # ---- set-values and tasks -------------------------------------------------------------------

@@ -5,6 +5,7 @@ import pytest
 
 from exhibits.path_scene import projected_chord, three_ways_in_space
 from exhibits.torus_scene import entire_torus_picture
+from kit import scene
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -28,8 +29,17 @@ def test_scene_of_a_chord_has_a_dot_and_a_normal_for_each_point(geodesic):
     assert (share(picture, "geodesic") > 1e-4) == geodesic
 
 
-def test_entire_torus_shows_its_inner_sheet_on_the_right_only():
-    picture = entire_torus_picture(Torus(0.1, 0.8))
+def test_entire_torus_shows_its_inner_sheet_on_the_right_only_and_names_its_axis(monkeypatch):
+    """The sheet lies within the tube, the axis' letter beyond the node's."""
+    torus, letters, sheets, shoot, surface = Torus(0.1, 0.8), {}, [], scene.shoot, scene.surface
+    shot = lambda plotter, **view: letters.update(view["letters"]) or shoot(plotter, **view)  # noqa: E731
+    monkeypatch.setattr(scene, "shoot", shot)
+    monkeypatch.setattr(scene, "surface", lambda points: sheets.append(points) or surface(points))
+    picture = entire_torus_picture(torus)
     middle = picture.shape[1] // 2
     halves = [share(half, "inner sheet") for half in (picture[:, :middle], picture[:, middle:])]
     assert halves[0] < 1e-3 < 0.01 < halves[1]
+    node, axis = letters["node"][0], letters["axis"][0]
+    assert axis @ node > node @ node
+    _whole, _outer, inner = sheets
+    assert np.hypot(inner[..., 0], inner[..., 2]).max() <= (torus.R - torus.r) * (1 + 1e-12)
