@@ -9,7 +9,6 @@ turning point. Some of them are solved again by mpmath at 50 digits, and searche
 
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from mpmath import mp, mpf
@@ -17,6 +16,7 @@ from scipy.optimize.elementwise import find_root
 
 from tests.references import tables, torus_geodesics
 from tests.references.geodesic_rivals import shortest_rival
+from tests.references.torus_geodesics import ANSWERS, Canonical
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -28,7 +28,6 @@ PI, PI_REST = LONG(np.pi), LONG("1.224646799147353177226065932274997997083053901
 PAIRS, BLOCK, CHECKED, SEED = 100_000, 2000, 500, 22
 MACHINES = 200  # tori of the working sheet
 DEGENERATE = 1e-3  # of the length: a reduced length below that leaves the azimuths uncertain
-ANSWERS = ("azimuth1", "azimuth2", "length", "clairaut", "reduced")
 COLUMNS = [
     "family", "tori", "pairs", "seed", "failures", "wrong branches",
     "worst length error, relative", "worst length error over R",
@@ -36,16 +35,6 @@ COLUMNS = [
     "worst azimuth error times reduced over length",
     "pairs checked", "worst reference length error", "worst reference azimuth error", "rivals",
 ]  # fmt: skip
-
-
-class Track(NamedTuple):
-    """Geodesics from a to b, arrays (n,): the azimuths as rho times their cosines."""
-
-    turned: np.ndarray
-    length: np.ndarray
-    c: np.ndarray
-    cos_a: np.ndarray
-    cos_b: np.ndarray
 
 
 def rule(step, real):
@@ -96,7 +85,7 @@ def wave(r, R, a, b, t, step):
     before = -first[rising]
     total[:, rising] += quadrature(partial(rates, pick=rising), 0 * before, before, step)
     slope_a, slope_b = (wave_slope(r, R, phi, m, c) for phi in (a, b))
-    return Track(*total, c, -t * slope_a, -rest * slope_b)
+    return Canonical(*total, c, -t * slope_a, -rest * slope_b)
 
 
 def wave_slope(r, R, phi, m, c):
@@ -119,9 +108,9 @@ def pass_by(r, R, a, b, c, step, *, over):
     z_a, z_b = below_pi(a), below_pi(np.abs(b) if over else b)
     ends = [np.sqrt(e * (e + 2 * c)) for e in (excess(z[:, None])[:, 0] for z in (z_a, z_b))]
     if not over:
-        return Track(*quadrature(rates, z_a, z_b, step), c, -ends[0], -ends[1])
+        return Canonical(*quadrature(rates, z_a, z_b, step), c, -ends[0], -ends[1])
     total = quadrature(rates, 0 * z_a, z_a, step) + quadrature(rates, 0 * z_b, z_b, step)
-    return Track(*total, c, *ends)
+    return Canonical(*total, c, *ends)
 
 
 def candidate(form, low, high, ends, angle):
