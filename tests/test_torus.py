@@ -1,14 +1,12 @@
 """The torus: points, angles, implicit form, normals, curvatures, feet."""
 
-import csv
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
-from tests.references import torus_feet
+from tests.references import tables, torus_feet
 from tests.shapes import EPS, TORI, eq2, fractions, off_surface, tori
 from tunneller_lib.surfaces import Torus
 
@@ -123,8 +121,7 @@ def test_angles_of_degenerate_points(point, angles):
 
 # ---- the four feet against mpmath --------------------------------------------------------------
 
-with open(torus_feet.TABLE, newline="") as file:
-    HEADER, *ROWS = csv.reader(file)
+HEADER, ROWS = tables.read(torus_feet.TABLE)
 FAMILIES = sorted({row[0] for row in ROWS})
 
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from tunneller_lib.milling import (
     BallMill,
-    BladeRing,
     ConicalMill,
     CylinderMill,
     Patch,
@@ -24,7 +23,7 @@ def saddle(s, t):
 
 
 PATCH = Patch(saddle, (-0.01, 0.01), (-0.01, 0.01))
-MILL = ConicalMill(0.2, 0.01, 0.2, 0.03, 0.05)
+MILL = ConicalMill(0.2, tip_radius=0.01, length=0.2, holder_radius=0.03, holder_length=0.05)
 LOOK = {"tolerance": 1e-4, "n": 11}
 
 
@@ -46,7 +45,6 @@ def covered():
 
 INSTANCES = {
     BallMill: BallMill(0.005),
-    BladeRing: BladeRing(0.06, 0.03, 0.05, -0.7, 1.2, -0.006, -0.006, 6),
     Chain: chain,
     ConicalMill: MILL,
     Coverage: covered,

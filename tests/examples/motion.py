@@ -17,7 +17,7 @@ from tunneller_lib.motion.hydraulics import Hydraulics
 from tunneller_lib.motion.plant import LinearPlant, Plant, ValveResonance
 from tunneller_lib.motion.servo import Track
 from tunneller_lib.motion.sizing import Sizes, usual_sizes
-from tunneller_lib.motion.tasks import HandOver, Release, Slice, Task
+from tunneller_lib.motion.tasks import Task
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 THETA, PHI = reference_axes(REFERENCE_MACHINE)
@@ -27,23 +27,20 @@ RAMP = np.linspace(0.0, 0.1, 30)
 INSTANCES = {
     Arm: Arm(0.08, 0.80, head=30.0, beam=60.0),
     Compressible: Compressible(PHI),
-    HandOver: HandOver((1,), (0,), (5,), (1,)),
     Hydraulics: THETA,
-    Integrator: Integrator(0.5),
     Lag: Lag(0.5, 0.02),
     LinearPlant: Lag(0.5, 0.02),
     Plant: Lag(0.5, 0.02),
     Loop: Loop(10.0, 0.005),
-    Release: Release("line", 0, 400),
     Resonance: Resonance(0.5, 100.0, 0.15),
     Rigid: Rigid(THETA),
     Sizes: usual_sizes(REFERENCE_MACHINE),
-    Slice: Slice("line", 0, 400),
     Task: TASKS[0],
     Track: follow(Integrator(0.5), Loop(10.0, 0.005), RAMP),
     ValveResonance: ValveResonance(0.5, 0.5, 100.0, 0.15, 0.004),
 }
 
+OILY = {"plant": INSTANCES[Compressible]}
 SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
 
 CALLS = {
@@ -52,9 +49,9 @@ CALLS = {
     "follow": {"plant": INSTANCES[Rigid], "loop": INSTANCES[Loop], "setvalues": RAMP},
     "polyline": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
     "polyline_slopes": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
-    "stability.gain_limit": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
-    "stability.stable_gains": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
-    "stability.is_stable": {"plant": INSTANCES[Compressible], "angles": (0.0, 0.1)},
+    "stability.gain_limit": OILY,
+    "stability.stable_gains": OILY,
+    "stability.is_stable": OILY | {"angles": (0.0, 0.1)},
     "tasks.background_response": {"tasks": TASKS, "cost": 10_000},
     "tasks.buffer_depth": SEGMENTS,
     "tasks.hand_over": SEGMENTS,
