@@ -9,23 +9,8 @@ import math
 import operator
 from functools import cache
 
+from blark import transform as tree
 from blark.parse import parse_source_code
-from blark.transform import (
-    ArrayTypeInitialization,
-    AssignmentStatement,
-    BinaryOperation,
-    ForStatement,
-    FunctionCall,
-    IfStatement,
-    Integer,
-    MultiElementVariable,
-    ParenthesizedExpression,
-    Real,
-    SimpleVariable,
-    UnaryOperation,
-)
-
-LOW, HIGH = -(2**31), 2**31 - 1
 
 
 def truncated(a, b):
@@ -101,7 +86,7 @@ class FunctionBlock:
 
     def begin(self, init):
         begin = BEGIN[str(init.spec.type)]
-        if isinstance(init, ArrayTypeInitialization):
+        if isinstance(init, tree.ArrayTypeInitialization):
             (bounds,) = init.spec.subranges
             assert str(bounds.start) == "0"
             return [begin] * (int(self.literal(bounds.stop)) + 1)
@@ -121,18 +106,18 @@ class FunctionBlock:
         statements = part.statements if part else []
         yield f"{indent}pass"
         for one in getattr(statements, "statements", statements):
-            if isinstance(one, AssignmentStatement):
+            if isinstance(one, tree.AssignmentStatement):
                 (target,) = one.variables
                 where, key = self.place(target)
                 yield f"{indent}store({where}, {key}, {self.value(one.expression)})"
-            elif isinstance(one, IfStatement):
+            elif isinstance(one, tree.IfStatement):
                 for word, branch in zip(["if", *["elif"] * len(one.else_ifs)],
                                         [one, *one.else_ifs], strict=True):  # fmt: skip
                     yield f"{indent}{word} {self.value(branch.if_expression)}:"
                     yield from self.lines(branch, f"{indent} ")
                 yield f"{indent}else:"
                 yield from self.lines(one.else_clause, f"{indent} ")
-            elif isinstance(one, ForStatement):
+            elif isinstance(one, tree.ForStatement):
                 step = eval(self.value(one.step)) if one.step else 1
                 first, last = self.value(one.from_), self.value(one.to)
                 yield f"{indent}for i in range({first}, {last} + {step}, {step}):"
@@ -143,7 +128,7 @@ class FunctionBlock:
 
     def place(self, variable):
         """Return where a variable is, in `state` or in an array of it, and its key there."""
-        if isinstance(variable, SimpleVariable):
+        if isinstance(variable, tree.SimpleVariable):
             return "s", repr(name(variable))
         (subscripts,) = variable.elements
         (index,) = map(self.value, subscripts.subscripts)
@@ -152,18 +137,18 @@ class FunctionBlock:
 
     def value(self, one):
         """Return an expression in Python."""
-        if isinstance(one, Integer | Real):
+        if isinstance(one, tree.Integer | tree.Real):
             return self.literal(one.value)
-        if isinstance(one, SimpleVariable | MultiElementVariable):
+        if isinstance(one, tree.SimpleVariable | tree.MultiElementVariable):
             return "{}[{}]".format(*self.place(one))
-        if isinstance(one, ParenthesizedExpression):
+        if isinstance(one, tree.ParenthesizedExpression):
             return self.value(one.expr)
-        if isinstance(one, FunctionCall):
+        if isinstance(one, tree.FunctionCall):
             given = [part.value for part in one.parameters]
             table, operation = "FUNCTIONS", name(one.name)
-        elif isinstance(one, UnaryOperation):
+        elif isinstance(one, tree.UnaryOperation):
             table, operation, given = "FUNCTIONS", str(one.op), [one.expr]
-        elif isinstance(one, BinaryOperation):
+        elif isinstance(one, tree.BinaryOperation):
             table, operation, given = "OPERATORS", str(one.op), [one.left, one.right]
         else:
             raise NotImplementedError(str(one))
@@ -186,7 +171,7 @@ def done(operate, *numbers):
     result = operate(*numbers)
     if len(set(map(type, numbers))) > 1:
         raise TypeError(str(numbers))
-    if type(result) is int and not LOW <= result <= HIGH:
+    if type(result) is int and not -(2**31) <= result < 2**31:
         raise OverflowError(str(numbers))
     return result
 
