@@ -20,11 +20,10 @@ from tunneller_lib.milling import (
     find_scallops,
     strip_across,
 )
-from tunneller_lib.milling.chains import Chain, conjugate_frame, motion_through, trace_chain
+from tunneller_lib.milling.chains import Chain, conjugate_frame, trace_chain
 from tunneller_lib.milling.faces import BladeRing
 from tunneller_lib.milling.strips import sweep_error
 from tunneller_lib.milling.tools import seen_from
-from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import Frustum
 
 MM = 1e-3
@@ -280,30 +279,6 @@ def test_a_cylinder_is_as_close_as_it_can_be_without_gouging(chain, which):
         gaps.append(cylinder.cutting(*seen_from(points, tip[None], axis[None]))[0])
     second = sum(gaps) / step**2  # the gap's second derivative, by a difference, in 1/m
     assert -0.5 < second.min() < 0.5 and second.max() > 50
-
-
-def test_dexels_leave_what_the_sweep_says():
-    """Frusta cut from a block along z leave, above a graph, its error over the slope."""
-    patch = Patch(lambda s, t: [s, t, 30 * s * t], (-0.01, 0.01), (-0.01, 0.01))
-    found = find_positions(patch, BROAD, 0.003, 0.001, tolerance=1e-4)
-    row = int(np.flatnonzero(found.fits)[0])
-    chain = trace_chain(patch, BROAD, found, row, step=5e-4, tolerance=1e-4)
-    last = len(chain) - 1
-    tip, axis = motion_through(chain.tip, chain.axis)(np.linspace(0, last, 20 * last + 1))
-    middle = chain.contact[len(chain) // 2]
-    half = np.array([1.5, 1.5, 5]) * MM
-    low = middle - half
-    grid = DexelGrid.cartesian(low, middle + half, (31, 31))
-    for a, u in zip(tip, axis, strict=True):
-        grid.cut(Frustum(a, a + BROAD.length * u, BROAD.tip_radius, BROAD.top_radius))
-    x, y = np.meshgrid(grid.lines.x, grid.lines.aside, indexing="ij")
-    below = (grid.low == low[2]) & (grid.high > grid.low)
-    top = np.where(below, grid.high, -np.inf).max(axis=0)
-    wanted = patch.points(x, y)
-    left = (top - wanted[..., 2]) / np.sqrt(1 + 900 * (x * x + y * y))
-    error = sweep_error(wanted, BROAD, chain)
-    assert np.abs(error).max() < 50e-6
-    assert np.abs(left - error).max() < 0.2e-6
 
 
 # ---- patches and scallops -------------------------------------------------------------------
