@@ -26,7 +26,7 @@ from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Case, Limits, Pose, budget, halving, plan, starved, trailing
 from tunneller_lib.ream.error_budget import Fault
-from tunneller_lib.ream.sensitivity import gradient, joint_bend, rounding_passed
+from tunneller_lib.ream.sensitivity import rounding_passed
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 READS = ["notebooks/reference.toml"]
@@ -243,24 +243,6 @@ def test_budget_adds_up_to_all_together():
     # What is left is the product of knots and following: corners at knots, cut by the lag.
     assert np.abs(total - together).max() < 0.4e-3
     assert np.sqrt(np.mean((total - together) ** 2)) < 0.05e-3
-
-
-# The derivatives
-
-
-@pytest.mark.parametrize("circuit", [CIRCUIT, TILTED], ids=["aligned", "tilted"])
-def test_gradient_and_bend_against_differences_of_the_overbreak(circuit):
-    s = np.linspace(0.01, circuit.profile.perimeter - 0.01, 60)
-    q, h = circuit.position(s), 1e-4
-    for k, unit in enumerate(np.eye(2)):
-        slope = (circuit.overbreak(q + h * unit) - circuit.overbreak(q - h * unit)) / (2 * h)
-        np.testing.assert_allclose(gradient(circuit, s, q)[:, k], slope, atol=1e-6)
-    for rate in np.random.default_rng(6).normal(size=(5, 2)):
-        sides = circuit.overbreak(q + h * rate), circuit.overbreak(q - h * rate)
-        bend = (sides[0] + sides[1] - 2 * circuit.overbreak(q)) / h**2
-        away = np.min(np.abs(s[:, None] - circuit.profile.blends), axis=1) > 2e-3
-        found = joint_bend(circuit, s, q, np.broadcast_to(rate, q.shape))
-        np.testing.assert_allclose(found[away], bend[away], atol=2e-3)
 
 
 # What halves a fault
