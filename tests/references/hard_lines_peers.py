@@ -6,9 +6,9 @@
     python -m tests.references.hard_lines_peers table FOLDER
 
 Each routine gets the same rays, called as its package offers it, and says where each meets its
-shape first. The packages are no part of this library's environment: mujoco, pybullet, open3d,
-embreex, vtk and cadquery-ocp-novtk from PyPI, @dimforge/rapier3d-compat, jolt-physics and three
-from npm.
+shape first. Not all packages are part of this library's environment: mujoco, pybullet, open3d,
+embreex, vtk, pyvista, scipy and cadquery-ocp-novtk from PyPI, @dimforge/rapier3d-compat,
+jolt-physics and three from npm.
 """
 
 import csv
@@ -20,6 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 HERE = Path(__file__).parent
 TABLE = HERE / "hard_lines_peers.csv"
@@ -36,12 +37,6 @@ PRECISION = {
 }  # fmt: skip
 COLUMNS = ["routine", "version", "kind", "family", "lines", "holes", "ghosts", "displaced",
            "touches", "touches lost"]  # fmt: skip
-
-
-def cases():
-    """Return the table's rows."""
-    with gzip.open(HERE / "hard_lines.csv.gz", "rt", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def asked(rows):
@@ -81,7 +76,8 @@ def write_rays(folder):
     """Write the rays for the others, and this library's own answers."""
     from tests.hard_lines import shape_of
 
-    rays = [ray_of(row) for row in asked(cases())]
+    with gzip.open(HERE / "hard_lines.csv.gz", "rt", newline="") as file:
+        rays = [ray_of(row) for row in asked(csv.DictReader(file))]
     (folder / "rays.json").write_text(json.dumps(rays))
     answers = []
     for ray in rays:
@@ -138,19 +134,17 @@ def mesh(ray):
         low = [(start * np.cos(t), -half[0] - start * np.sin(t)) for t in angle[::-1]]
         profile = low + [(r, -z) for r, z in low[::-1]]
         tips = [-half[0] - start, half[0] + start]
+    radius, height = np.transpose(profile)[..., None]
     around = np.arange(SIDES) * 2 * np.pi / SIDES
-    rings = [np.stack([r * np.cos(around), r * np.sin(around), np.full(SIDES, z)], -1)
-             for r, z in profile]  # fmt: skip
-    points = np.concatenate([*rings, [[0, 0, tips[0]], [0, 0, tips[1]]]])
-    i, j, n = np.arange(SIDES), (np.arange(SIDES) + 1) % SIDES, len(points)
-    faces = [np.stack([j, i, np.full(SIDES, n - 2)], -1)]
-    for k in range(len(rings) - 1):
-        low, high = k * SIDES, (k + 1) * SIDES
-        faces += [np.stack([low + i, low + j, high + i], -1),
-                  np.stack([low + j, high + j, high + i], -1)]  # fmt: skip
-    top = (len(rings) - 1) * SIDES
-    faces.append(np.stack([top + i, top + j, np.full(SIDES, n - 1)], -1))
-    return points @ turn.T + centre, np.concatenate(faces)
+    points = np.stack([radius * np.cos(around), radius * np.sin(around), height + 0 * around], -1)
+    points = np.concatenate([points.reshape(-1, 3), [[0, 0, tips[0]], [0, 0, tips[1]]]])
+    rings = np.arange(len(profile) * SIDES).reshape(-1, SIDES)
+    ahead = np.roll(rings, -1, axis=-1)
+    bottom, top = np.full((SIDES, 2), [len(points) - 2, len(points) - 1]).T
+    faces = [[ahead[0], rings[0], bottom], [rings[-1], ahead[-1], top],
+             *zip(rings[:-1], ahead[:-1], rings[1:], strict=True),
+             *zip(ahead[:-1], ahead[1:], rings[1:], strict=True)]  # fmt: skip
+    return points @ turn.T + centre, np.concatenate(np.stack(faces).transpose(0, 2, 1))
 
 
 def with_mujoco(ray):
@@ -178,26 +172,13 @@ def with_pybullet(ray):
         shape = pybullet.createCollisionShape(kind, radius=ray["shape"][6], height=2 * half[0])
     if shape < 0:
         return None
-    body = pybullet.createMultiBody(0, shape, -1, centre.tolist(), quaternion(turn))
+    body = pybullet.createMultiBody(
+        0, shape, -1, centre.tolist(), Rotation.from_matrix(turn).as_quat().tolist()
+    )
     hit = pybullet.rayTest(ray["origin"], end_of(ray))[0]
     pybullet.removeBody(body)
     pybullet.removeCollisionShape(shape)
     return hit[2] * ray["reach"] if hit[0] >= 0 else None
-
-
-def quaternion(turn):
-    """Return a rotation matrix as a quaternion (x, y, z, w)."""
-    square = np.array([
-        1 + turn[0, 0] - turn[1, 1] - turn[2, 2], 1 - turn[0, 0] + turn[1, 1] - turn[2, 2],
-        1 - turn[0, 0] - turn[1, 1] + turn[2, 2], 1 + turn.trace(),
-    ])  # fmt: skip
-    k = int(np.argmax(square))
-    both, apart = turn + turn.T, turn - turn.T
-    axial = [apart[2, 1], apart[0, 2], apart[1, 0]]
-    q = np.array([*axial, square[3]]) if k == 3 else np.array([*both[k], axial[k]])
-    if k != 3:
-        q[k] = square[k]
-    return (q / np.linalg.norm(q)).tolist()
 
 
 def with_vtk_box(ray):
@@ -215,18 +196,11 @@ def with_vtk_box(ray):
 
 
 def with_vtk_mesh(ray):
+    import pyvista
     import vtk
-    from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
-    vertices, faces = mesh(ray)
-    points, cells, body = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
-    points.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
-    rows = np.insert(faces, 0, 3, axis=-1).astype(np.int64).ravel()
-    cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(rows, deep=True))
-    body.SetPoints(points)
-    body.SetPolys(cells)
     tree, found = vtk.vtkOBBTree(), vtk.vtkPoints()
-    tree.SetDataSet(body)
+    tree.SetDataSet(pyvista.PolyData.from_regular_faces(*mesh(ray)))
     tree.BuildLocator()
     tree.IntersectWithLine(ray["origin"], end_of(ray), found, None)
     if not found.GetNumberOfPoints():
