@@ -134,18 +134,12 @@ class Driven:
         return self.process.wait()
 
 
-def start(n, c):
-    """Let the controller run from the first scan on, and step back where it is asked to."""
-    c.bEnable = 1
-    c.bStart = int(c.nState == STANDSTILL and not c.bDone)
-    c.bStepDone = c.bStepRequest
-
-
-def closed_loop(controller, wanted, made, scans, *, before=start):
+def closed_loop(controller, wanted, made, scans):
     """Run a controller on the library's axes; return set-values, positions, valves, state a scan.
 
-    The delay of the loop is in the wires: the valves get what an earlier scan asked for. The axes
-    begin at rest where the entry does.
+    The controller runs from the first scan on, and steps back where it is asked to. The delay of
+    the loop is in the wires: the valves get what an earlier scan asked for. The axes begin at rest where
+    the entry does.
     """
     plants, loops = wanted.axes
     encoder = loops[0].count
@@ -160,7 +154,8 @@ def closed_loop(controller, wanted, made, scans, *, before=start):
         if n % made.slow == 0:
             controller.slow()
         c.nActualTheta, c.nActualPhi = (int((s[0] / encoder + 0.5) // 1) for s in states)
-        before(n, c)
+        c.bEnable, c.bStart = 1, int(c.nState == STANDSTILL and not c.bDone)
+        c.bStepDone = c.bStepRequest
         controller.fast()
         waiting.append((c.rValveTheta, c.rValvePhi))
         valves = waiting.pop(0)
