@@ -138,8 +138,8 @@ def closed_loop(controller, wanted, made, scans):
     """Run a controller on the library's axes; return set-values, positions, valves, state a scan.
 
     The controller runs from the first scan on, and steps back where it is asked to. The delay of
-    the loop is in the wires: the valves get what an earlier scan asked for. The axes begin at rest where
-    the entry does.
+    the loop is in the wires: the valves get what an earlier scan asked for. The axes begin at rest
+    where the entry does.
     """
     plants, loops = wanted.axes
     encoder = loops[0].count
