@@ -45,36 +45,21 @@ def elsewhere(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
 
 
-def changed(changes, *, quick=True):
-    """Return the reference job's text with some of it changed."""
-    text = REFERENCE.read_text()
-    if quick:  # T0 feels no ground
-        text = re.sub(r"power = 3e3.*?(?=\n# \[hydraulics\])", "", text, flags=re.DOTALL)
-    for old, new in ((QUICK if quick else {}) | changes).items():
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
-
-
 @pytest.fixture
 def job(tmp_path):
     """Return a function that writes a job like the reference, with some of its text changed."""
 
     def write(changes=(), *, quick=True):
-        path = tmp_path / "job.toml"
-        path.write_text(changed(dict(changes), quick=quick))
-        return path
+        text = REFERENCE.read_text()
+        if quick:  # T0 feels no ground
+            text = re.sub(r"power = 3e3.*?(?=\n# \[hydraulics\])", "", text, flags=re.DOTALL)
+        for old, new in ((QUICK if quick else {}) | dict(changes)).items():
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        (tmp_path / "job.toml").write_text(text)
+        return tmp_path / "job.toml"
 
     return write
-
-
-@pytest.fixture(scope="module")
-def cut(tmp_path_factory):
-    """Return the quick job as it is read, and its cut."""
-    path = tmp_path_factory.mktemp("cut") / "job.toml"
-    path.write_text(changed({}))
-    made = read_job(path)
-    return made, made.simulated()
 
 
 def run(capsys, *arguments):
@@ -265,13 +250,12 @@ def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job
     assert last["removed_m3"] < 0.6 * first["removed_m3"]
     third = cut.deviation[2 * int(made.planned.ticks.sum()) :]
     assert last["over_m"] == max(0, third.max()) and last["under_m"] == max(0, -third.min())
-    said = summary_text(numbers)
-    assert "\nlap 1, in whole ground: overbreak " in said
-    assert "\nlap 3, beside another: overbreak " in said
+    assert "\nlap 3, beside another: overbreak " in summary_text(numbers)
 
 
-def test_overshoot_where_the_cutter_enters_counts(cut):
-    made, cut = cut
+def test_overshoot_where_the_cutter_enters_counts(job):
+    made = read_job(job())
+    cut = made.simulated()
     outward = made.planned.circuit.profile.normal(0.0)
     beyond = cut.before[-1:] + 5e-3 * np.array([0.0, *outward])
     numbers = results.summarise(made, replace(cut, before=np.concatenate([cut.before, beyond])))
@@ -296,8 +280,9 @@ def test_job_writes_into_a_folder_of_its_own_under_build(job, tmp_path, monkeypa
     assert asked[0].parent == Path("build") and asked[0].name in ("toml", "job", "tunnel.v2")
 
 
-def test_litres_of_a_cut_are_those_that_its_ground_has_lost(cut):
-    made, cut = cut
+def test_litres_of_a_cut_are_those_that_its_ground_has_lost(job):
+    made = read_job(job())
+    cut = made.simulated()
     lines = cut.wall.lines
     begins = made.planned.circuit.section.ray(np.arctan2(lines.sin, lines.cos))
     lost = DexelGrid(lines, begins, cut.wall.high.max(axis=0)).volume - cut.wall.volume
@@ -320,16 +305,14 @@ def test_cut_tells_people_in_millimetres(capsys, job, tmp_path):
     assert float(knots[1]) < float(knots[2]) < 1  # chords keep inside
 
 
-def without(package, *arguments):
-    """Run the command line in a process that lacks a package."""
-    code = f"import sys; sys.modules[{package!r}] = None; sys.path.insert(0, {str(ROOT)!r}); "
-    code += "from tunneller_lib.__main__ import main; sys.exit(main())"
-    return subprocess.run([sys.executable, "-c", code, *arguments], text=True, capture_output=True)
-
-
 def test_command_names_the_package_that_it_lacks():
-    assert without("numpy", "--help").returncode == 0
-    done = without("numpy", "cut", str(REFERENCE), "--json")
+    code = f"import sys; sys.modules['numpy'] = None; sys.path.insert(0, {str(ROOT)!r}); "
+    code += "from tunneller_lib.__main__ import main; sys.exit(main())"
+    helped, done = (
+        subprocess.run([sys.executable, "-c", code, *asked], text=True, capture_output=True)
+        for asked in (["--help"], ["cut", str(REFERENCE), "--json"])
+    )
+    assert helped.returncode == 0
     assert done.returncode == 2 and done.stderr.count("\n") == 1
     assert done.stderr.startswith('wrong: the package numpy is missing; pip install "." in')
     assert json.loads(done.stdout)["wrong"] + "\n" == done.stderr.removeprefix("wrong: ")
