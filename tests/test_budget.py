@@ -87,7 +87,9 @@ def test_corrected_chords_leave_hardly_anything_and_have_no_closed_form(toleranc
     assert corrected.closed is None and corrected.ratio is None
 
 
-PLANTS = {"T0": [Integrator(0.5)] * 2, "T1": [Lag(0.5, 0.02)] * 2, "T2": [*map(Rigid, AXES)]}
+PLANTS = {"T0": [Integrator(0.5)] * 2, "T1": [Lag(0.5, 0.02)] * 2, "T2": [*map(Rigid, AXES)],
+          "resonance": [Resonance(0.5, 100.0, 0.15)] * 2,
+          "and valve": [ValveResonance(0.5, 0.5, 90.0, 0.2, 0.01)] * 2}  # fmt: skip
 
 
 @pytest.mark.parametrize("tier", PLANTS)
@@ -186,25 +188,6 @@ def test_a_plant_without_a_linear_form_gets_no_closed_form_and_no_verdict_on_sta
         with pytest.raises(NoLinearForm, match=r"^plant: must have a linear form, .*Unspoken"):
             call()
     assert follow(plant, pair(count=0.0), LAP.setvalues).stable == (None, None)
-
-
-EVERY = [
-    Integrator(0.5),
-    Lag(0.5, 0.02),
-    Resonance(0.5, 100.0, 0.15),
-    ValveResonance(0.6, 0.5, 90.0, 0.2, 0.01),
-    *map(Rigid, AXES),
-    *map(Compressible, AXES),
-]
-
-
-@pytest.mark.parametrize("plant", EVERY, ids=lambda plant: type(plant).__name__)
-@pytest.mark.parametrize("angle", [-0.4, 0.3])
-def test_lateness_is_the_phase_of_a_slow_swing_over_its_frequency(plant, angle):
-    linear = plant.linear(angle)
-    slow = 1e-2  # rad/s
-    rate = 1j * slow * linear.response(slow)
-    assert linear.lateness == pytest.approx(-np.angle(rate) / slow, rel=1e-4, abs=1e-12)
 
 
 # The whole
