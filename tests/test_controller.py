@@ -1,6 +1,5 @@
 """The exported motion generator, compiled: what its contract says, scan by scan."""
 
-import re
 import subprocess
 from functools import cache
 
@@ -28,7 +27,6 @@ from tests.controllers import (
 )
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.motion import follow
-from tunneller_lib.motion.export import read_blocks
 from tunneller_lib.ream.moves import levers
 
 READS = ["tests/references/reference_job.toml"]
@@ -381,12 +379,6 @@ static void alarmed(int number)
     /* Some scans an interruption, or the slow task would mostly wait. */
     for (int i = 0; i < 40; ++i) scan();
 }
-static unsigned long boundary, next = 1;
-static void at_boundary(void)
-{
-    /* Every boundary in turn: a stride that has no factor in common with anything. */
-    if (++boundary >= next) { next = boundary + STRIDE; if (comparing) { ++inside; scan(); } }
-}
 int main(void)
 {
     while (!tunneller.bDone) { fb_setpoints(&setpoints, &ring); scan(); }
@@ -395,12 +387,11 @@ int main(void)
     inside = 0;
     struct itimerval often = {{0, 150}, {0, 150}};
     signal(SIGALRM, alarmed);
-    if (STRIDE == 1) setitimer(ITIMER_REAL, &often, 0);
+    setitimer(ITIMER_REAL, &often, 0);
     while (inside < INTERRUPTIONS) {
         busy = true;
         fb_setpoints(&setpoints, &ring);
         busy = false;
-        if (STRIDE > 1) scan();
     }
     signal(SIGALRM, SIG_IGN);
     printf("%ld %ld %ld %ld\\n", wrong, inside, points, (long)tunneller.nErrorId);
@@ -410,26 +401,16 @@ int main(void)
 
 
 @pytest.mark.parametrize("optimised", ["-O0", "-O2"])
-@pytest.mark.parametrize("stride", many((1, 2, 7), (1, 2, 3, 5, 7, 11)))
-def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised, stride):
-    """By a timer at any instruction (stride 1), and at every boundary of statements in turn."""
+def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised):
+    """By a timer, at any instruction."""
     wanted = job(path="corrected chord", step=6e-4)  # a setpoint every scan or two
     made = with_program(wanted)
     (tmp_path / "controller.h").write_text(c99_header(made))
-    text = c99_text(made)
-    if stride > 1:
-        before, head, task = text.partition("void fb_setpoints(FB_Setpoints *c")
-        task, end, behind = task.partition("\n}\n")
-        task, boundaries = re.subn(r";$", "; at_boundary();", task, flags=re.M)
-        body = next(one.body for one in read_blocks(made.blocks) if one.name == "FB_Setpoints")
-        assert boundaries == len(re.findall(r"(?<!END_IF)(?<!END_WHILE);$", body, re.M))
-        text = f"static void at_boundary(void);\n{before}{head}{task}{end}{behind}"
     first = np.rint(wanted.planned.entry.setvalues[0] / wanted.planned.count).astype(int)
-    given = {"BEGIN_THETA": first[0], "BEGIN_PHI": first[1], "STRIDE": stride,
-             "INTERRUPTIONS": many(2_000, 50_000)}  # fmt: skip
-    options = [f"-D{name}={value}" for name, value in given.items()]
-    path = build(COMPILER, tmp_path, text + WIRED + INTERRUPTED, "-std=gnu99", optimised,
-                 "-Wno-unused-function", *options)  # fmt: skip
+    options = [f"-DBEGIN_THETA={first[0]}", f"-DBEGIN_PHI={first[1]}",
+               f"-DINTERRUPTIONS={many(2_000, 50_000)}"]  # fmt: skip
+    path = build(COMPILER, tmp_path, c99_text(made) + WIRED + INTERRUPTED, "-std=gnu99", optimised,
+                 *options)  # fmt: skip
     done = subprocess.run([path], capture_output=True, text=True, timeout=600)
     wrong, inside, points, error = map(int, done.stdout.split())
     assert (wrong, error) == (0, 0) and inside >= many(2_000, 50_000) and points > 4000
