@@ -39,12 +39,6 @@ pieces = [
 EGG = 'shape = "egg"'
 
 
-@pytest.fixture(autouse=True)
-def elsewhere(monkeypatch, tmp_path):
-    """Let what a command writes by default be of the test, and leave a visitor's build/ alone."""
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.fixture
 def job(tmp_path):
     """Return a function that writes a job like the reference, with some of its text changed."""

@@ -200,19 +200,17 @@ def axis_of(motion, v):
 
 
 def test_the_known_motion_of_a_cone_is_recovered_from_its_envelope():
-    def vertex(v):
-        return [0.03 * v, 0.01 * v * v, 0.01 * v]
-
-    def velocity(v):
-        return [0.03 + 0 * v, 0.02 * v, 0.01 + 0 * v]
-
-    motion = turning(vertex, velocity, 1.0, rate=0.7, start=1.0)
+    motion = turning(
+        lambda v: [0.03 * v, 0.01 * v * v, 0.01 * v],
+        lambda v: [0.03 + 0 * v, 0.02 * v, 0.01 + 0 * v],
+        1.0, rate=0.7, start=1.0,
+    )  # fmt: skip
     patch = Patch(moving_cone(motion, HALF_ANGLE), (3.7, 5.2), (0, 1), -1)
     mill = ConicalMill(HALF_ANGLE, 2 * MM, 70 * MM, 5 * MM, 50 * MM)
     # The sweep of that motion is the surface.
     v = np.linspace(0, 1, 60)
     axis = axis_of(motion, v)
-    tip = np.stack(np.broadcast_arrays(*vertex(v)), axis=-1) + mill.below * axis
+    tip = np.stack(motion(v)[0], axis=-1) + mill.below * axis
     error = sweep_error(patch.mesh(60)[:, 5:-5], mill, Chain(v, v, tip, axis, tip, axis, axis))
     assert np.abs(error).max() < 1e-9
     # And among the surface's cones that fit are those of the motion, whose chain sweeps it.

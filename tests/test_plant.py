@@ -99,18 +99,13 @@ def test_response_and_command_agree_with_the_gain(plant):
 # ---- linkage --------------------------------------------------------------------------------
 
 
-def angles(lever):
-    """Return joint angles at which a lever's triangles are open."""
-    low, high = sorted(lever.sense * (gamma - lever.mounting) for gamma in (0.1, 3.0))
-    if lever.pair:
-        low, high = max(low, -high), min(high, -low)
-    return np.linspace(low, high, 41)
-
-
 @every_lever
 def test_linkage_displacements_are_rates_of_the_volumes(lever):
-    q, h = angles(lever)[1:-1], 1e-5
-    ends = angles(lever)[[0, -1]]
+    # Angles at which its triangles are open.
+    ends = sorted(lever.sense * (gamma - lever.mounting) for gamma in (0.1, 3.0))
+    if lever.pair:
+        ends = max(ends[0], -ends[1]), min(ends[1], -ends[0])
+    q, h = np.linspace(*ends, 41)[1:-1], 1e-5
     ahead, behind = (np.array(lever.volumes(q + d, *ends)) for d in (h, -h))
     rates = (ahead - behind) / (2 * h) * np.array([[1], [-1]])
     np.testing.assert_allclose(lever.displacements(q), rates, rtol=1e-6)
@@ -227,13 +222,10 @@ def test_compressible_follows_a_stiff_solver(axis):
 
 @every_axis
 def test_rigid_follows_a_solver(axis):
-    def slopes(y, u):
-        return [float(axis.rate(y[0], y[1])), (u - y[1]) / axis.valve_lag]
-
-    plant = Rigid(axis)
-    given = 0.02, [0.4, -0.2, 0.3], plant.rest(0.1)
-    found = solved(slopes, *given, rtol=1e-11, atol=1e-13, max_step=1e-3)
-    np.testing.assert_allclose(run(plant, *given), found, atol=1e-7)
+    given = 0.02, [0.4, -0.2, 0.3], Rigid(axis).rest(0.1)
+    found = solved(lambda y, u: [float(axis.rate(y[0], y[1])), (u - y[1]) / axis.valve_lag],
+                   *given, rtol=1e-11, atol=1e-13, max_step=1e-3)  # fmt: skip
+    np.testing.assert_allclose(run(Rigid(axis), *given), found, atol=1e-7)
 
 
 def test_compressible_oil_is_held_at_no_pressure_and_not_before():

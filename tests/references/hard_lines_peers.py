@@ -90,7 +90,6 @@ def write_rays(folder):
 def keep(folder, routine, version, answers):
     """Write a routine's answers: a parameter, null for a miss, "none" for no such shape."""
     name = routine.split(",")[0].replace(" ", "_") + ("_mesh" if "mesh" in routine else "")
-    answers = [float(x) if isinstance(x, (float, np.floating)) else x for x in answers]
     record = {"routine": routine, "version": version, "answers": answers}
     (folder / f"{name}.json").write_text(json.dumps(record))
 
@@ -218,7 +217,7 @@ def with_open3d(ray):
                         open3d.core.Tensor(faces.astype(np.uint32)))  # fmt: skip
     one = np.array([[*ray["origin"], *ray["direction"]]], dtype=np.float32)
     found = scene.cast_rays(open3d.core.Tensor(one))["t_hit"].numpy()[0]
-    return found if np.isfinite(found) else None
+    return float(found) if np.isfinite(found) else None
 
 
 def with_embree(ray):
@@ -230,7 +229,7 @@ def with_embree(ray):
     TriangleMesh(scene, vertices[faces].astype(np.float32))
     one = [np.array([ray[name]], dtype=np.float32) for name in ("origin", "direction")]
     found = scene.run(*one, query="DISTANCE")
-    return found[0] if found[0] < 1e30 else None
+    return float(found[0]) if found[0] < 1e30 else None
 
 
 def with_open_cascade(ray):
