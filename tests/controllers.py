@@ -19,7 +19,6 @@ from tunneller_lib.job import read_job
 from tunneller_lib.job.controller import program
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 
-REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
 COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
 SANITIZERS = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
 # The sanitizer of addresses reserves terabytes of them.
@@ -178,7 +177,7 @@ def moved(run):
 
 def job_with(job=None, /, **tables):
     """Return a job, the reference job unless told, with some keys of its tables changed."""
-    job = job or read_job(REFERENCE_JOB)
+    job = job or read_job(Path(__file__).parent / "references" / "reference_job.toml")
     return replace(job, **{name: getattr(job, name) | keys for name, keys in tables.items()})
 
 

@@ -70,7 +70,7 @@ class Machine:
     def __init__(self, wanted, made, driven):
         self.wanted, self.made, self.driven, self.c = wanted, made, driven, driven.c
         first = wanted.planned.entry.setvalues[0] / wanted.planned.count
-        self.at = np.rint(first).astype(int)
+        self.at = self.start = np.rint(first).astype(int)
         self.scans = 0
         self.rows = []
         self.paused = False
@@ -148,8 +148,7 @@ def test_run_on_time_is_the_librarys_to_a_tick(started, wanted, scans):
     whole = np.rint(setvalues / plan.count)[: run.stop - begin]
     np.testing.assert_array_equal(found[run, :2], whole)
     # Its loops are the library's, from the first scan on.
-    last = found[-1:, :2]
-    track = follow(*wanted.axes, plan.count * np.concatenate([found[:, :2], last]),
+    track = follow(*wanted.axes, plan.count * np.vstack([found[:, :2], found[-1, :2]]),
                    slopes=found[:, 10:])  # fmt: skip
     assert np.abs(found[:, 2:4] - track.position[:-1]).max() < 1e-12
     assert np.abs(found[:, 4:6] - track.command).max() < 1e-12
@@ -191,8 +190,7 @@ def test_hold_stops_in_every_state_and_goes_on_by_an_edge_of_start_alone(machine
     assert c.nState == HOLDING and c.nScale == 0 and c.bBusy
     stood = c.nSetTheta, c.nSetPhi
     assert one.scan(bStart=1).nState == HOLDING  # held still
-    back = {"bHold": 0, "nOverride": 256, "bStart": 0}
-    c = one.scan(100, **back)
+    c = one.scan(100, bHold=0, nOverride=256, bStart=0)
     assert c.nState == HOLDING and (c.nSetTheta, c.nSetPhi) == stood
     c = one.scan(300, bStart=1)
     assert c.nState == MOVING and (c.nSetTheta, c.nSetPhi) != stood
@@ -257,7 +255,7 @@ def test_laps_wait_for_the_step_and_a_run_may_begin_again(machine):
     assert (c.nState, c.bBusy, c.bError) == (STANDSTILL, 0, 0)
     # It withdrew; the machine's own program brings the axes back to the start position.
     one.scan(bEnable=0)
-    one.at = np.rint(one.wanted.planned.entry.setvalues[0] / one.wanted.planned.count).astype(int)
+    one.at = one.start
     c = one.go(scans=1500)
     assert (c.nState, c.bBusy, c.bDone) == (MOVING, 1, 0)
     kept(one.rows, one.wanted)
@@ -268,13 +266,12 @@ def test_start_within_the_trip_goes_straight_to_the_start_position(machine, feed
     """However slow the feed."""
     wanted = job(feed=feed, step=2e-3, **FINE)
     one = machine(wanted)
-    first = one.at.copy()
-    one.at = first + int(0.9 * one.made.trip / wanted.planned.count / 0.88)
+    one.at = one.start + int(0.9 * one.made.trip / wanted.planned.count / 0.88)
     one.scan(3, bEnable=1)
     c = one.scan(2, bStart=1)
     while c.nTick < 0:
         c = one.scan()
-    assert np.abs([c.nSetTheta, c.nSetPhi] - first).max() <= 1  # a half may go either way
+    assert np.abs([c.nSetTheta, c.nSetPhi] - one.start).max() <= 1  # a half may go either way
     kept(one.rows, wanted)
     # A way twice as long is gone at half of the feed: a set-value may be off by a trip, too.
     way = wanted.planned.count * np.array(one.rows)[2:, :2]
@@ -293,8 +290,7 @@ def test_starved_line_comes_to_rest_within_the_acceleration_and_goes_on(machine,
     one.paused = True
     one.scan(pause)
     if pause == 1500:
-        stood = [row[:2] for row in one.rows[-300:]]
-        assert stood[0] == stood[-1] and one.c.nState == MOVING
+        assert one.rows[-300][:2] == one.rows[-1][:2] and one.c.nState == MOVING
     one.paused = False
     while not one.c.bDone:
         one.scan()
@@ -316,7 +312,6 @@ def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
     wanted = job(**FINE, **TWO_LAPS, tolerance=5e-3)
     one = machine(wanted)
     rng = np.random.default_rng(seed)
-    start = one.at.copy()
     left = 0  # scans of a pause
     states = set()
     for _ in range(1000):
@@ -330,7 +325,7 @@ def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
             given["nOverride"] = int(rng.choice([rng.integers(-1000, 1000), 256, 256]))
         if one.c.nState in (DISABLED, ERROR_STOP) or (one.c.nState == STANDSTILL and one.c.bDone):
             given["bEnable"] = int(one.c.nState != STANDSTILL)
-            one.at = start + rng.integers(-3000, 3000, 2)  # jogged to about the start position
+            one.at = one.start + rng.integers(-3000, 3000, 2)  # jogged to about the start position
         elif chance[6] < 0.01:
             jumped = [rng.integers(-(2**20), 2**20), 2**31 - 1 - int(one.at[0])]
             one.at = one.at + np.array([int(rng.choice(jumped)), 0])

@@ -34,7 +34,6 @@ SQUARE = closed_profile([
     Line(y, z, k * np.pi / 2, 1.0)
     for k, (y, z) in enumerate([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 ])  # fmt: skip
-CIRCLE = closed_profile([Arc(0.1, -0.2, 0.6, 0.3, 2 * np.pi)])
 PLAN = plan(cutting_circuit(REFERENCE_MACHINE, EGG), Limits(feed=0.2, acceleration=0.5),
             tolerance=1e-3, step=1e-2, rest=0.2, laps=2, advance=0.04)  # fmt: skip
 
@@ -287,7 +286,8 @@ def test_dxf_closes_and_lies_on_the_section(section):
 
 
 def test_dxf_of_a_circle_is_a_circle_on_its_layer():
-    (circle, *arcs) = entities(dxf({"WALL": CIRCLE, "CENTRE": EGG}))
+    wall = closed_profile([Arc(0.1, -0.2, 0.6, 0.3, 2 * np.pi)])
+    (circle, *arcs) = entities(dxf({"WALL": wall, "CENTRE": EGG}))
     assert (circle[0], circle[8]) == ("CIRCLE", "WALL") and [e[8] for e in arcs] == ["CENTRE"] * 4
     assert [circle[code] for code in (10, 20, 40)] == pytest.approx([100, -200, 600])
 

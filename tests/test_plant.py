@@ -27,7 +27,6 @@ LEVERS = [
 AXES = reference_axes(REFERENCE_MACHINE)
 THETA, PHI = AXES
 every_axis = pytest.mark.parametrize("axis", AXES, ids=["theta", "phi"])
-every_lever = pytest.mark.parametrize("lever", LEVERS)
 
 
 def run(plant, tick, commands, state):
@@ -99,7 +98,7 @@ def test_response_and_command_agree_with_the_gain(plant):
 # ---- linkage --------------------------------------------------------------------------------
 
 
-@every_lever
+@pytest.mark.parametrize("lever", LEVERS)
 def test_linkage_displacements_are_rates_of_the_volumes(lever):
     # Angles at which its triangles are open.
     ends = sorted(lever.sense * (gamma - lever.mounting) for gamma in (0.1, 3.0))

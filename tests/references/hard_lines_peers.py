@@ -27,7 +27,6 @@ TABLE = HERE / "hard_lines_peers.csv"
 DOUBLE, SINGLE = 2.0**-52, 2.0**-23
 EVERY = "rod capsule frustum box"
 SIDES = 64
-CONFUSION = 1e-7  # Open CASCADE's own
 # What each routine computes with; a mesh of 64 sides may be off by 0.005 of the size. To Open
 # CASCADE, in doubles, places within 1e-7 are the same.
 PRECISION = {
@@ -243,7 +242,7 @@ def with_open_cascade(ray):
     speed = np.linalg.norm(ray["direction"])
     line = gp_Lin(gp_Pnt(*ray["origin"]), gp_Dir(*ray["direction"]))
     found = IntCurvesFace_ShapeIntersector()
-    found.Load(body, CONFUSION)
+    found.Load(body, 1e-7)  # its own confusion
     found.Perform(line, 0.0, ray["reach"] * speed)
     places = [found.WParameter(i + 1) for i in range(found.NbPnt())] if found.IsDone() else []
     return min(places) / speed if places else None
