@@ -45,7 +45,7 @@ def expect(seconds, kind):
     """
     _Work.of_kind[kind] += seconds
     if _Work.of_kind[kind] > LONG and not _Work.compiled:
-        _Work.compiled = _numba_loads()
+        _Work.compiled = _imported(sys.modules.get("numba", "not yet asked for"))
 
 
 def ready(kind):
@@ -96,13 +96,9 @@ def loop(inlined=()):
     return marked
 
 
-def _numba_loads():
-    """Return whether numba is installed and works here; its import may raise any error."""
-    return _imported(sys.modules.get("numba", "not yet asked for"))
-
-
 @functools.cache  # a failed import would be tried again at every call
 def _imported(_found):
+    """Return whether numba, as found among the modules loaded so far, can be imported."""
     try:
         importlib.import_module("numba")
     except Exception:  # of its cache, of llvmlite, of a numpy that it doesn't take

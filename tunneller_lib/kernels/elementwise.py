@@ -69,11 +69,6 @@ def two_to(shifted):
     return math.ldexp(1.0, int(shifted - 1.5 * 2.0**52))
 
 
-def some(condition):
-    """Return whether a condition holds anywhere."""
-    return condition.any() if isinstance(condition, np.ndarray) else condition
-
-
 # ---- the same of numbers alone, for loops that may be compiled -------------
 
 
@@ -92,11 +87,6 @@ def greater(a, b):
     return a if a >= b or a != a else b
 
 
-def rooted(x):
-    """Return the square root of a number that isn't below zero."""
-    return math.sqrt(x)
-
-
 def quotient(a, b):
     """Return a / b, which is infinite or not a number where b is zero."""
     return a / b if b else a * math.copysign(math.inf, b)
@@ -105,11 +95,6 @@ def quotient(a, b):
 def divided(a, b):
     """Return a / b in a `compiled.loop`, whose quotients by zero are those of arrays."""
     return a / b
-
-
-def holds(condition):
-    """Return whether a condition holds."""
-    return condition
 
 
 def power_in_bits(x):
@@ -122,25 +107,15 @@ def two_to_bits(shifted):
     return np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
 
 
-# What `compiled.call` puts in their place:
-NUMBERS = {
-    "where": chosen,
-    "smaller": lesser,
-    "larger": greater,
-    "square_root": rooted,
-    "ratio": quotient,
-    "some": holds,
-    "power_above": power_in_bits,
-    "two_to": two_to_bits,
-}
-# For `compiled.call_plain`, where the root of a negative number raises ValueError.
+# What `compiled.call_plain` puts in their place. The root of a negative number raises ValueError.
 PLAIN = {
     "where": chosen,
     "smaller": lesser,
     "larger": greater,
     "square_root": math.sqrt,
     "ratio": quotient,
-    "some": holds,
 }
-# Numpy's own numbers may be infinite or NaN, which these take by their bits.
+# Numpy's own numbers may be infinite or NaN, where `math.ldexp` and whole numbers end; a compiled
+# loop is faster by the bits than by calls of the C library.
 IEEE = {"power_above": power_in_bits, "two_to": two_to_bits}
+NUMBERS = PLAIN | IEEE  # for `compiled.call`

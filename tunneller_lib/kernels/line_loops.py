@@ -62,10 +62,5 @@ def power_of(x):
     return math.frexp(x)[1]
 
 
-def shifted(x, power):
-    """Return x times a power of two."""
-    return math.ldexp(x, power)
-
-
 # What `compiled.call` puts in the place of what formulas call.
-FOR_LINES = {**NUMBERS, "square_root": root_or_none, "power_above": power_of, "scaled": shifted}
+FOR_LINES = {**NUMBERS, "square_root": root_or_none, "power_above": power_of, "scaled": math.ldexp}

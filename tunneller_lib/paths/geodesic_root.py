@@ -115,21 +115,16 @@ class Integrand(NamedTuple):
     cosines: tuple
 
 
-def half_angles(torus, a, b):
-    """Return the sines and cosines of a/2 and b/2, and rho at a and at b, in m."""
+def ends_at(torus, a, b):
+    """Return the `Ends` on a torus of geodesics from phi = a to b, in rad."""
     sine_a, cosine_a = sine_cosine(a / 2)
     sine_b, cosine_b = sine_cosine(b / 2)
-    return sine_a, cosine_a, sine_b, cosine_b, rho(torus, a, cosine_a), rho(torus, b, cosine_b)
-
-
-def ends_at(torus, a, b, halves):
-    """Return the `Ends` on a torus of geodesics from phi = a to b, whose `halves` are known."""
-    sine_a, cosine_a, sine_b, cosine_b, rho_a, rho_b = halves
     sine, cosine = sine_cosine((a - b) / 2)
     middle, _ = sine_cosine((a + b) / 2)
     # A product has the difference of the squares to its last digits, near ends or not.
     apart = middle * sine
-    meridian = square_root(rho_a / (2 * torus.R))
+    rho_a, rho_b = rho(torus, a, cosine_a), rho(torus, b, cosine_b)
+    meridian = square_root(larger(rho_a, 0.0) / (2 * torus.R))
     # On a ring the geodesic of x = X winds towards the inner equator (k = 1, c = r - R), on a
     # spindle it is the meridian, through the node (c = 0).
     room = cosine_a if torus.r >= torus.R else meridian
@@ -166,8 +161,8 @@ def outer(torus, ends, u):
     ends : Ends
         The ends.
     u : float
-        The unknown, from `steepest`, the meridian, upwards: below zero for ways that descend at
-        once.
+        The unknown, from the meridian, -70 or -1 times `ends.meridian`, upwards: below zero for
+        ways that descend at once.
 
     Notes
     -----
@@ -177,55 +172,42 @@ def outer(torus, ends, u):
     from x.
     """
     r, R = torus.r, torus.R
-    sa, ca, sb, cb, sine, cosine, apart, rho_a, rho_b, L, X = ends
-    x, dx = u, 1.0
-    e = (X - u) * (X + u)
-    if u > 0:
-        # Below zero the class has no end, and x = u joins without a bend.
-        x, e, dx = _spread(torus, X, u)
-        if r <= R and u > 30 * X:  # the class ends by the node, and nothing turns farther
-            dx = 0.0
-    c, rest, k2, W = _swing(torus, ends, x, e)
+    L, X = ends.meridian, ends.room
     if wide(torus) and u < -STEEP * L:
         # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels
         # there, and by the node of a horn the least c turns far: u counts x + L by its logarithm.
         unit = (1 - STEEP) * L
         left = unit / (1 + growth((-STEEP * L - u) / unit))
-        x = left - L
-        dx = left / unit
+        x, dx = left - L, left / unit
         c = 2 * R * (left * (2 * L - left))
         rest = (c - (r - R)) / (2 * R)
-        W = square_root(larger(apart + x * x, 0.0))
-        k2 = sa * sa + x * x
-    dk2 = 2 * x * dx
-    if rest < 0:
-        # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
-        # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
-        shape = -rest, 1.0, -rest
-        rates = -2 * R * dk2, dk2, 0.0, dk2
-        first, span, last = (ca, sa), (sine, cosine), (cb, sb)
-        motion = 0.0, 0.0
     else:
-        k = square_root(k2)
-        shape = rest, k2, 0.0
-        rates = -2 * R * dk2, -dk2, dk2, 0.0
-        # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
-        # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
-        lower, upper = x * sb, W * sa
-        across = apart * k2 / (upper - lower) if lower < 0 else upper + lower
-        first, last = (-x / k, sa / k), (W / k, sb / k)
-        span = across / k2, (sa * sb - W * x) / k2
-        motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
-    cos_a = x * square_root(2 * R * (rho_a + c)) / rho_a
-    cos_b = -W * square_root(2 * R * (rho_b + c)) / rho_b
-    return Integrand(c, shape, rates, first, span, last, motion, (cos_a, cos_b))
+        # Below zero the class has no end, and x = u joins without a bend.
+        x, dx, e = u, 1.0, (X - u) * (X + u)
+        if u > 0:
+            x, dx, e = _spread(torus, X, u)
+            if r <= R and u > 30 * X:  # the class ends by the node, and nothing turns farther
+                dx = 0.0
+        c, rest = _swing(torus, e)
+    if rest >= 0:
+        return _turning(torus, ends, x, dx, c, rest, -1.0)
+    # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
+    # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
+    dk2 = 2 * x * dx
+    rates = -2 * R * dk2, dk2, 0.0, dk2
+    first, last = (ends.cosine_a, ends.sine_a), (ends.cosine_b, ends.sine_b)
+    span = ends.sine, ends.cosine
+    W = square_root(larger(ends.apart + x * x, 0.0))
+    cosines = _cosines(torus, ends, c, x, -W)
+    return Integrand(c, (-rest, 1.0, -rest), rates, first, span, last, (0.0, 0.0), cosines)
 
 
 def second(torus, ends, u, sense):
     """Return the `Integrand` of the geodesic that turns beyond the outer equator and rises to b.
 
-    It comes to the parallel b a second time, after descending at once or after rising above a.
-    Its way needs `legs_of_second`.
+    It comes to the parallel b a second time, after descending at once or after rising above a: t
+    passes pi, where phi is least, and stops at 2 pi - t_b, with sin(b/2) = k cos(t_b). Its way
+    needs `legs_of_second`.
 
     Parameters
     ----------
@@ -237,27 +219,39 @@ def second(torus, ends, u, sense):
         The unknown, any number: far from zero, c nears 0, or r - R on a ring.
     sense : {1.0, -1.0}
         -1 if it is the negative of the unknown that is given.
-
-    Notes
-    -----
-    As `outer`, but for the end: t passes pi, where phi is least, and stops at 2 pi - t_b, with
-    sin(b/2) = k cos(t_b).
     """
-    R = torus.R
-    sa, sb, X = ends.sine_a, ends.sine_b, ends.room
-    x, e, dx = _spread(torus, X, abs(u))
-    x = sense * math.copysign(x, u)
-    dx = sense * dx
-    c, rest, k2, W = _swing(torus, ends, x, e)
+    x, dx, e = _spread(torus, ends.room, abs(u))
+    c, rest = _swing(torus, e)
+    return _turning(torus, ends, sense * math.copysign(x, u), sense * dx, c, rest, 1.0)
+
+
+def _turning(torus, ends, x, dx, c, rest, rising):
+    """Return the `Integrand` of a geodesic between turning points, by x and by dx, its rate.
+
+    `rest` is 1 - k^2, and `rising` 1 where the way rises to b, as of `second`, or -1.
+    """
+    sa, sb = ends.sine_a, ends.sine_b
+    k2 = sa * sa + x * x
+    W = square_root(larger(ends.apart + x * x, 0.0))
     k = square_root(k2)
-    dk2 = 2 * x * dx
-    shape = rest, k2, 0.0
-    rates = -2 * R * dk2, -dk2, dk2, 0.0
-    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
-    cos_a = x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a
-    cos_b = W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b
+    # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
+    # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
+    lower, upper = x * sb, W * sa
+    across = ends.apart * k2 / (upper - lower) if lower < 0 else upper + lower
+    span = across / k2, (sa * sb - W * x) / k2
     first, last = (-x / k, sa / k), (W / k, sb / k)
-    return Integrand(c, shape, rates, first, last, last, motion, (cos_a, cos_b))
+    dk2 = 2 * x * dx
+    rates = -2 * torus.R * dk2, -dk2, dk2, 0.0
+    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
+    cosines = _cosines(torus, ends, c, x, rising * W)
+    return Integrand(c, (rest, k2, 0.0), rates, first, span, last, motion, cosines)
+
+
+def _cosines(torus, ends, c, x, W):
+    """Return the cosines of the azimuths at both ends, of which x and W have the signs."""
+    # sqrt(rho^2 - c^2) / rho, with rho - c = 2R x^2 at a and 2R W^2 at b.
+    cos_a = x * square_root(2 * torus.R * (ends.rho_a + c)) / ends.rho_a
+    return cos_a, W * square_root(2 * torus.R * (ends.rho_b + c)) / ends.rho_b
 
 
 def inner(torus, ends, u):
@@ -300,13 +294,8 @@ def wide(torus):
     return torus.r > 0.9 * torus.R
 
 
-def steepest(torus, ends):
-    """Return the unknown of `outer` that stands for the meridian, of a `torus` and its `ends`."""
-    return -(STEEPEST if wide(torus) else 1.0) * ends.meridian
-
-
 def _spread(torus, X, u):
-    """Return x = X tanh(u / X), X^2 - x^2 and the derivative of x, for u from 0 upwards.
+    """Return x = X tanh(u / X), its derivative and X^2 - x^2, for u from 0 upwards.
 
     On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle the
     way turns ever more sharply by the node: this spreads both out.
@@ -318,17 +307,13 @@ def _spread(torus, X, u):
     x = X * (grown / (2 + grown))
     gap = 2 * X / (2 + grown)  # X - x, which would cancel where u is great
     e = gap * (X + x)
-    return x, e, e / (X * X)
+    return x, e / (X * X), e
 
 
-def _swing(torus, ends, x, e):
-    """Return c, 1 - k^2, k^2, and W of `outer` from x and e = X^2 - x^2."""
+def _swing(torus, e):
+    """Return c and 1 - k^2 by e = X^2 - x^2, from which nothing is taken that would cancel."""
     r, R = torus.r, torus.R
-    x2 = x * x
-    c = 2 * R * e + (r - R if r > R else 0.0)
-    rest = e + (0.0 if r >= R else (R - r) / (2 * R))
-    W = square_root(larger(ends.apart + x2, 0.0))
-    return c, rest, ends.sine_a * ends.sine_a + x2, W
+    return 2 * R * e + larger(r - R, 0.0), e + larger(R - r, 0.0) / (2 * R)
 
 
 def peaked(torus, ends, b, angle):
@@ -426,8 +411,8 @@ def integrate(torus, way, nodes, rows):
     """
     shares, count = nodes
     add_nodes(torus, way, shares, rows)
-    turned, rate, length = folded(rows, count)
-    return turned, rate + moving(torus, way), length
+    rate = folded(rows[1], count) + moving(torus, way)
+    return folded(rows[0], count), rate, folded(rows[2], count)
 
 
 def integrate_in_legs(torus, legs, nodes, rows):
@@ -549,24 +534,20 @@ def _density(torus, way, sin2):
     return c / rho * square_root(2 * torus.R / ((rho + c) * (A + B * sin2)))
 
 
-def folded(rows, count):
-    """Return the sums of so many values of each of three rows, which change.
+def folded(row, count):
+    """Return the sum of the first so many values of a row, which changes.
 
-    The order is kept: halves are added to each other as long as they are even.
+    The order is kept: halves are added to each other as long as they are even, several at a time
+    where a compiler can.
     """
-    turned, rate, length = rows[0], rows[1], rows[2]
     while count % 2 == 0:
         count = count // 2
         for k in range(count):
-            turned[k] += turned[count + k]
-            rate[k] += rate[count + k]
-            length[k] += length[count + k]
-    turned_sum, rate_sum, length_sum = turned[0], rate[0], length[0]
+            row[k] += row[count + k]
+    total = row[0]
     for k in range(1, count):
-        turned_sum = turned_sum + turned[k]
-        rate_sum = rate_sum + rate[k]
-        length_sum = length_sum + length[k]
-    return turned_sum, rate_sum, length_sum
+        total = total + row[k]
+    return total
 
 
 # ---- the root ------------------------------------------------------------------
@@ -615,30 +596,25 @@ def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
         Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
     """
     u, scale, low = begin
-    high = math.inf
-    before = 0.0
-    total = reached = math.nan
-    done = False
+    high, before = math.inf, 0.0
+    way = way_of(family, torus, ends, u)
     for _ in range(ROUNDS):
-        way = way_of(family, torus, ends, u)
-        if done:  # this call of the class was for the azimuths at the last unknown alone
-            return True, total, way.c, way.cosines[0], way.cosines[1]
         turned, rate, length = integrate_way(torus, way, family, hard, nodes, rows)
         miss = angle - turned
-        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
         # For a given angle the length is stationary in c: what u lacked hardly matters.
         total = length + way.c * miss
-        reached = turned + (rate * step if step != 0 else 0.0)  # with a level start no rate
-        if done and not abs(reached - angle) <= AGREES:
-            break  # the class ends before it turns so far
+        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
+        way = way_of(family, torus, ends, u)  # after the last step for c and the azimuths alone
+        if done:
+            # The class may end before it turns so far. A level start has no rate.
+            miss -= rate * step if step != 0 else 0.0
+            break
     else:
         # On what is nearly a sphere all ways of a class may turn by the same to the last digit:
         # then any u will do, however far the last step was.
-        way = way_of(family, torus, ends, u)
-        turned, _, length = integrate_way(torus, way, family, hard, nodes, rows)
-        if abs(turned - angle) * max(torus.r / torus.R, 1.0) <= AGREES:
-            total = length + way.c * (angle - turned)
-            return True, total, way.c, way.cosines[0], way.cosines[1]
+        miss *= larger(torus.r / torus.R, 1.0)
+    if abs(miss) <= AGREES:
+        return True, total, way.c, way.cosines[0], way.cosines[1]
     return False, math.nan, math.nan, math.nan, math.nan
 
 
@@ -729,4 +705,4 @@ def start(torus, ends, a, b, angle):
     # small themselves; one that asks for steps of rounding size doesn't.
     # By a node the whole class is no longer than X.
     scale = smaller(ends.sine_a if b <= 0 else ROUNDING, X)
-    return guess, scale, steepest(torus, ends)
+    return guess, scale, -(STEEPEST if wide(torus) else 1.0) * ends.meridian

@@ -33,10 +33,10 @@ from .geodesic_root import (
     PAST,
     PI_REST,
     ROUNDING,
+    Ends,
     Radii,
     ends_at,
     find_root,
-    half_angles,
     half_swing_by_the_node,
     integrate_way,
     on_working_sheet,
@@ -211,14 +211,10 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     >>> float(off.length), str(off.kind)
     (nan, 'none')
     """
-    check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
-    size, unit = radii(torus)
-    seconds = SECONDS[size.r > size.R]
-    length, first, last, c, kind, why = _answers(find, size, turn_and_ends(p, q), 6, seconds)
-    codes = kind.astype(np.uint8), why.astype(np.uint8)
-    fields = length * unit, first, last, c * unit, *codes
-    return Geodesic(torus, p, q, *(one.reshape(p.shape[:-1])[()] for one in fields))
+    seconds = SECONDS[torus.r > torus.R]
+    (found,) = _answers(find, "geodesics", 1, seconds, torus, p, q)
+    return _geodesic(torus, p, q, found)
 
 
 @checked
@@ -257,19 +253,20 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     than 2 pi / sqrt(1 + r / R), two half swings, no later arrivals exist: between ends that are
     more than 17 degrees of theta apart on the reference machine's torus.
     """
-    check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
-    size, unit = radii(torus)
-    ends = turn_and_ends(p, q)
-    found = _answers(find_rivals, size, ends, 6 * CLASSES, SECONDS_OF_RIVALS)
-    found = found.reshape(CLASSES, 6, len(ends))
+    found = _answers(find_rivals, "rival geodesics", CLASSES, SECONDS_OF_RIVALS, torus, p, q)
     order = np.argsort(found[:, :1], axis=0)  # NaN comes last
-    length, first, last, c, kind, why = np.moveaxis(np.take_along_axis(found, order, axis=0), 1, 0)
-    why[1:] = 0
-    shape = CLASSES, *p.shape[:-1]
-    fields = length * unit, first, last, c * unit, kind.astype(np.uint8), why.astype(np.uint8)
-    p, q = (np.broadcast_to(end, (*shape, 2)) for end in (p, q))
-    return Geodesic(torus, p, q, *(one.reshape(shape) for one in fields))
+    found = np.take_along_axis(found, order, axis=0)
+    found[1:, 5] = 0
+    p, q = (np.broadcast_to(end, (CLASSES, *end.shape)) for end in (p, q))
+    return _geodesic(torus, p, q, np.moveaxis(found, 1, 0))
+
+
+def _geodesic(torus, p, q, found):
+    """Return the `Geodesic` between p and q (..., 2) by what a loop over pairs has found (6, ...)."""
+    length, first, last, c, kind, why = found.reshape(6, *p.shape[:-1])
+    codes = kind.astype(np.uint8)[()], why.astype(np.uint8)[()]
+    return Geodesic(torus, p, q, length, first, last, c, *codes)
 
 
 # ---- ends, and ways that need no search --------------------------------------
@@ -279,8 +276,7 @@ class EndPair(NamedTuple):
     """Ends in normal form: from phi = a >= 0 to phi = b, |b| <= a, turning by an angle >= 0.
 
     `mirror` is -1 where phi was mirrored to make them so, `side` is -1 where theta was, and `swap`
-    tells whether the ends were exchanged. `on_sheet` tells whether both are on the working sheet,
-    `halves` are the `half_angles` of both.
+    tells whether the ends were exchanged. `on_sheet` tells whether both are on the working sheet.
     """
 
     a: float
@@ -290,7 +286,7 @@ class EndPair(NamedTuple):
     side: float
     swap: bool
     on_sheet: bool
-    halves: tuple
+    ends: Ends
 
 
 class Way(NamedTuple):
@@ -311,12 +307,6 @@ class Way(NamedTuple):
     c: float
     cos_a: float
     cos_b: float
-
-
-def radii(torus):
-    """Return the `Radii` of a torus, and their unit in m."""
-    unit = math.ldexp(1.0, math.frexp(torus.R)[1] - 1)
-    return Radii(float(torus.r / unit), float(torus.R / unit)), unit
 
 
 def turn_and_ends(p, q):
@@ -350,10 +340,10 @@ def normal_form(torus, turn, phi1, phi2):
     # them and of its azimuths, and products of their sines would vanish.
     if torus.R * a < LEVEL * ((torus.r + torus.R) * angle):
         a = b = 0.0
-    halves = half_angles(torus, a, b)
+    ends = ends_at(torus, a, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
-    rho_a, _ = halves[4:]
-    return EndPair(a, b, angle, mirror, -1.0 if turn < 0 else 1.0, swap, rho_a > 0, halves)
+    on_sheet = ends.rho_a > 0
+    return EndPair(a, b, angle, mirror, -1.0 if turn < 0 else 1.0, swap, on_sheet, ends)
 
 
 def nothing():
@@ -376,7 +366,7 @@ def level(torus, pair):
         return Way(POINT if a == b else MERIDIAN, torus.R * (a - b), 0.0, -1.0, -1.0)
     if span * angle < NEAR * torus.R and a - b < NEAR:
         # So near to each other that the surface is the tangent plane between them.
-        rho_a, _ = pair.halves[4:]
+        rho_a = pair.ends.rho_a
         across = rho_a * (LARGE * angle)
         down = torus.R * (LARGE * (a - b))
         most = larger(across, down)  # over it, squares are neither too small nor too large
@@ -406,9 +396,8 @@ def azimuths(pair, way):
     c = pair.side * way.c
     if way.kind <= POINT:  # which has no direction
         return math.nan, math.nan, c
-    rho_a, rho_b = pair.halves[4:]
-    first = arctangent(ratio(c, rho_a), back * way.cos_a)
-    last = arctangent(ratio(c, rho_b), back * way.cos_b)
+    first = arctangent(ratio(c, pair.ends.rho_a), back * way.cos_a)
+    last = arctangent(ratio(c, pair.ends.rho_b), back * way.cos_b)
     return (last, first, c) if pair.swap else (first, last, c)
 
 
@@ -445,7 +434,8 @@ def near_side(torus, pair, rules, rows):
     most = larger(half_swing_by_the_node(torus), math.pi)
     if not pair.on_sheet or way.kind != NONE or pair.angle > most:
         return way
-    return family_root(torus, pair, OUTSIDE, math.nan, rules, rows)
+    begin = start(torus, pair.ends, pair.a, pair.b, pair.angle)
+    return family_root(torus, pair, OUTSIDE, begin, rules, rows)
 
 
 def far_side(torus, pair, rules, rows):
@@ -474,7 +464,8 @@ def far_side(torus, pair, rules, rows):
     if narrow == 0:
         # Both nodes of a horn are one point: any way through it enters above and leaves below.
         return through(torus, pair) if two_ends and angle <= math.pi else nothing()
-    return family_root(torus, pair, INSIDE, math.nan, rules, rows) if a > 0 else nothing()
+    begin = 0.5, 0.0, 0.0
+    return family_root(torus, pair, INSIDE, begin, rules, rows) if a > 0 else nothing()
 
 
 def shortest(torus, pair, rules, rows):
@@ -493,22 +484,17 @@ def shortest(torus, pair, rules, rows):
     return outside
 
 
-def family_root(torus, pair, family, least, rules, rows):
+def family_root(torus, pair, family, begin, rules, rows):
     """Return the way of a class that reaches the turned angle, or none.
 
-    The class is `family`, and `least` the unknown of `second` from which it starts, else not a
-    number; the others, torus, pair, rules and rows, are those of `near_side`.
+    The class is `family`; `begin` is as of `find_root`, and the others, torus, pair, rules and
+    rows, are those of `near_side`.
     """
     a, b, angle = pair.a, pair.b, pair.angle
     few, many, most = rules
-    ends = ends_at(torus, a, b, pair.halves)
+    ends = pair.ends
     sheet = on_working_sheet(torus, a, angle)
     hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
-    begin = 0.5, 0.0, 0.0
-    if family > INSIDE:
-        begin = least + 0.25, ROUNDING, least
-    elif family == OUTSIDE:
-        begin = start(torus, ends, a, b, angle)
     nodes = few if sheet else many
     kind = INNER if family == INSIDE else OUTER
     found = find_root(torus, ends, angle, begin, family, hard, nodes, rows)
@@ -570,9 +556,11 @@ def second_arrivals(torus, pair, least, rules, rows):
         swing = half_swing_by_the_node(torus)
         # The turned angle grows to either side of its least: below it, -u is the unknown.
         if pair.angle < swing:
-            before = family_root(torus, pair, BEFORE, -unknown, rules, rows)
+            begin = 0.25 - unknown, ROUNDING, -unknown
+            before = family_root(torus, pair, BEFORE, begin, rules, rows)
         if pair.angle < 2 * swing:
-            past = family_root(torus, pair, PAST, unknown, rules, rows)
+            begin = 0.25 + unknown, ROUNDING, unknown
+            past = family_root(torus, pair, PAST, begin, rules, rows)
     return before, past
 
 
@@ -583,7 +571,7 @@ def least_second(torus, pair, nodes, rows):
     """
     if not pair.on_sheet:
         return math.nan, math.nan
-    ends = ends_at(torus, pair.a, pair.b, pair.halves)
+    ends = pair.ends
     # Towards either end of the class the turned angle grows: its rate changes its sign once.
     low, high = -FARTHEST * ends.room, -NEAREST * ends.room
     for _ in range(HALVINGS):
@@ -604,17 +592,19 @@ INLINED = "growth", "two_to_bits", "add_nodes"  # compiled, so that several node
 
 
 @cache
-def padded(count):
-    """Return shares and weights of a `rule`, some of no weight, eight at a time."""
-    shares, weights = rule(count)
-    rest = -len(shares) % 8
-    return np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
+def quadratures(ring, ready):
+    """Return the rules that `near_side` wants, for loops that are `ready`, compiled, or plain.
 
-
-@cache
-def listed(count):
-    """Return shares and weights of a `rule` as lists, for plain Python."""
-    return [row.tolist() for row in rule(count)]
+    Compiled, nodes go eight at a time, of which some may have no weight. Plain Python is fastest
+    on lists.
+    """
+    found = []
+    for count in (NODES_OF_WORKING_SHEET, NODES_OF_RING if ring else NODES, NODES):
+        shares, weights = rule(count)
+        rest = -len(shares) % 8
+        padded = np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
+        found.append((padded if ready else [shares.tolist(), weights.tolist()], count // 2))
+    return tuple(found)
 
 
 @loop(inlined=INLINED)
@@ -647,13 +637,10 @@ def find_rivals(torus, ends, rules, rows, answers):
     """
     for i in range(len(ends)):
         pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])
-        a, b, angle, mirror, side, swap, on_sheet, halves = pair
+        a, b, angle, mirror, side, swap, on_sheet, there = pair
         least = least_second(torus, pair, rules[2], rows)
         row = 0
-        for one in (
-            pair,
-            EndPair(a, b, 2 * math.pi - angle, mirror, -side, swap, on_sheet, halves),
-        ):
+        for one in (pair, EndPair(a, b, 2 * math.pi - angle, mirror, -side, swap, on_sheet, there)):
             before, past = second_arrivals(torus, one, least, rules, rows)
             for way in (
                 near_side(torus, one, rules, rows),
@@ -676,18 +663,34 @@ def write(answers, row, i, torus, pair, way):
     answers[row + 5][i] = certificate(torus, pair, way.kind)
 
 
-def _answers(work, size, ends, rows, seconds):
-    """Return what a loop over pairs answers, (rows, n), of `turn_and_ends` (n, 3)."""
-    kind = "geodesics" if work is find else "rival geodesics"
+def _answers(work, kind, classes, seconds, torus, p, q):
+    """Return what a loop over pairs answers for ends p and q (..., 2): (classes, 6, n), in m.
+
+    Parameters
+    ----------
+    work : function
+        The loop.
+    kind : str
+        Of its work, for `compiled`.
+    classes : int
+        How many ways it finds for a pair.
+    seconds : float
+        How long it takes for a pair in plain Python.
+    torus, p, q
+        As of `geodesic_inverse`.
+    """
+    check_ratio(torus)
+    # In a unit near R no product of sizes leaves the floats, and a power of two rounds nothing.
+    unit = math.ldexp(1.0, math.frexp(torus.R)[1] - 1)
+    size = Radii(float(torus.r / unit), float(torus.R / unit))
+    ends = turn_and_ends(p, q)
     compiled.expect(seconds * len(ends), kind)
     ready = compiled.ready(kind)
-    form = padded if ready else listed
-    counts = NODES_OF_WORKING_SHEET, NODES_OF_RING if size.r > size.R else NODES, NODES
-    rules = tuple((form(count), count // 2) for count in counts)
-    answers = np.empty((rows, len(ends)))
+    rules = quadratures(size.r > size.R, ready)
+    answers = np.empty((6 * classes, len(ends)))
 
     def fill(block):
-        some = np.empty((rows, len(ends[block])))
+        some = np.empty((6 * classes, len(ends[block])))
         if ready:
             room = np.empty((3, NODES // 2))
             parts = {**NUMBERS, "ratio": divided}
@@ -705,4 +708,7 @@ def _answers(work, size, ends, rows, seconds):
         answers[:, block] = some
 
     compiled.each_block(fill, len(ends), BLOCK if ready else PLAIN_BLOCK, kind)
+    answers = answers.reshape(classes, 6, -1)
+    answers[:, 0] *= unit
+    answers[:, 3] *= unit
     return answers
