@@ -108,7 +108,7 @@ class ChordLaw:
         return (slope**2 - gap**2) @ weights / 4
 
     def _circle(self):
-        first, last = _normals(self.p), _normals(self.q)
+        first, last = normals(self.p), normals(self.q)
         pole = cross(*np.broadcast_arrays(first, last))
         sine = norm(pole)
         angle = np.arctan2(sine, dot(first, last))
@@ -128,7 +128,7 @@ class ChordLaw:
         angle = np.where(told, angle[..., None], 1)
         level = np.where(told, pole[..., 1:2], 1)  # b_y
         steep = np.hypot(pole[..., 0], pole[..., 2])[..., None]  # c, the sine of its inclination
-        first = np.broadcast_to(_normals(self.p), pole.shape)
+        first = np.broadcast_to(normals(self.p), pole.shape)
         node = np.arctan2(first[..., 1], cross(pole, first)[..., 1])[..., None]
         s = u * angle
         half = angle / 2
@@ -151,7 +151,7 @@ class ChordLaw:
         return gap, np.where(told, psi_slope * sag + psi * sag_slope - slope, 0)
 
 
-def _normals(position):
+def normals(position):
     """Return the outward unit normals (..., 3) at joint positions (..., 2), of any torus."""
     return torus_normal(*np.moveaxis(position, -1, 0))
 

@@ -15,6 +15,7 @@ from ..kernels.exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 from ..surfaces.torus import torus_angles, torus_normal
 from .bounds import Row, check_on_sheet
+from .chord_law import normals
 from .correction import corrected_points
 from .projection import chord_points, feet, projected
 from .quadrature import path_lengths
@@ -102,7 +103,7 @@ def _completed_simpson_rule(torus, p, q, t):
     The ends alone tell it: (Q - P) . (nP + nQ) is the rate of curvature times l^3 / 6, and
     nQ - nP is the torsion times l across the chord.
     """
-    first, last = _end_normal(p), _end_normal(q)
+    first, last = normals(p), normals(q)
     start, stop = (chord_points(torus, p, q, np.array([end]))[..., 0, :] for end in (0.0, 1.0))
     u = (t * (1 - t))[:, None]
     rate = dot(stop - start, first + last)[..., None, None]
@@ -114,8 +115,8 @@ def _simpson_points(torus, p, q, t):
     """Return M(t), moved so that its foot is where Simpson's rule drops it."""
     m = chord_points(torus, p, q, t)
     normal = _normal(torus, m)
-    between = (1 - t)[:, None] * _end_normal(p)[..., None, :]
-    between = between + t[:, None] * _end_normal(q)[..., None, :]
+    between = (1 - t)[:, None] * normals(p)[..., None, :]
+    between = between + t[:, None] * normals(q)[..., None, :]
     mean = (normal + 4 * _middle_normal(torus, p, q) + between) / 6
     return m + _depth(torus, m)[..., None] * (mean - normal)
 
@@ -202,10 +203,6 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     start = np.stack([np.where(far, p[..., 0], 0.0), np.zeros_like(far, float)], axis=-1)
     p, q = p - start, q - start
     return path_lengths(torus, partial(path, torus), p, q)
-
-
-def _end_normal(end):
-    return torus_normal(end[..., 0], end[..., 1])
 
 
 def _middle_normal(torus, p, q):

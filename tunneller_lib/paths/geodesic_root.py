@@ -22,6 +22,8 @@ import math
 from functools import cache
 from typing import NamedTuple
 
+import numpy as np
+
 from ..kernels.elementwise import larger, ratio, smaller, square_root
 from ..kernels.repeatable import area_sine, growth, sine_cosine
 from .quadrature import gauss_rule
@@ -563,12 +565,28 @@ def rule(count):
     return (1 + nodes[: count // 2]) / 2, weights[: count // 2] / 2
 
 
+@cache
+def quadratures(ring, ready):
+    """Return the rules that `near_side` wants, for loops that are `ready`, compiled, or plain.
+
+    Compiled, nodes go eight at a time, of which some may have no weight. Plain Python is fastest
+    on lists.
+    """
+    found = []
+    for count in (NODES_OF_WORKING_SHEET, NODES_OF_RING if ring else NODES, NODES):
+        shares, weights = rule(count)
+        rest = -len(shares) % 8
+        padded = np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
+        found.append((padded if ready else [shares.tolist(), weights.tolist()], count // 2))
+    return tuple(found)
+
+
 def on_working_sheet(torus, a, angle):
     """Return where few nodes do, found by doubling them until nothing changed."""
     return torus.r <= torus.R / 4 and a <= 1 and angle <= 2
 
 
-def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
+def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
     """Return the way of a class that turns by an angle.
 
     Parameters
@@ -577,16 +595,16 @@ def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
         The surface.
     ends : Ends
         The ends.
-    angle : float
-        The turned angle, in rad.
+    a, b, angle : float
+        phi at the ends, and the turned angle, in rad.
     begin : (u, scale, low)
         As by `start`.
     family : int
         OUTSIDE, INSIDE, PAST or BEFORE.
-    hard : bool
-        Whether it is one of `outer` that takes three legs.
-    nodes, rows
-        As of `integrate`.
+    rules : tuple
+        The `quadratures`.
+    rows : (3, m) float
+        Room for what nodes add, m at least as many as there are.
 
     Returns
     -------
@@ -595,6 +613,9 @@ def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
     length, c, cos_a, cos_b : float
         Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
     """
+    sheet = on_working_sheet(torus, a, angle)
+    hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
+    nodes = rules[0] if sheet else rules[1]
     u, scale, low = begin
     high, before = math.inf, 0.0
     way = way_of(family, torus, ends, u)

@@ -9,7 +9,6 @@ and run as they stand or compiled, with the same bits. Kinds and certificates ar
 
 import math
 from dataclasses import dataclass
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -26,9 +25,6 @@ from .direct_problem import followed
 from .geodesic_root import (
     BEFORE,
     INSIDE,
-    NODES,
-    NODES_OF_RING,
-    NODES_OF_WORKING_SHEET,
     OUTSIDE,
     PAST,
     PI_REST,
@@ -39,9 +35,7 @@ from .geodesic_root import (
     find_root,
     half_swing_by_the_node,
     integrate_way,
-    on_working_sheet,
-    peaked,
-    rule,
+    quadratures,
     start,
     way_of,
 )
@@ -263,10 +257,9 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
 
 
 def _geodesic(torus, p, q, found):
-    """Return the `Geodesic` between p and q (..., 2) by what a loop over pairs has found (6, ...)."""
-    length, first, last, c, kind, why = found.reshape(6, *p.shape[:-1])
-    codes = kind.astype(np.uint8)[()], why.astype(np.uint8)[()]
-    return Geodesic(torus, p, q, length, first, last, c, *codes)
+    """Return the `Geodesic` from p to q (..., 2) by what a loop over pairs has found, six rows."""
+    *numbers, kind, why = found.reshape(6, *p.shape[:-1])
+    return Geodesic(torus, p, q, *numbers, kind.astype(np.uint8), why.astype(np.uint8))
 
 
 # ---- ends, and ways that need no search --------------------------------------
@@ -491,20 +484,16 @@ def family_root(torus, pair, family, begin, rules, rows):
     rows, are those of `near_side`.
     """
     a, b, angle = pair.a, pair.b, pair.angle
-    few, many, most = rules
     ends = pair.ends
-    sheet = on_working_sheet(torus, a, angle)
-    hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
-    nodes = few if sheet else many
-    kind = INNER if family == INSIDE else OUTER
-    found = find_root(torus, ends, angle, begin, family, hard, nodes, rows)
+    found = find_root(torus, ends, a, b, angle, begin, family, rules, rows)
     if found[0] or torus.r <= torus.R or family > INSIDE:
+        kind = INNER if family == INSIDE else OUTER
         return Way(kind, *found[1:]) if found[0] else nothing()
     # A ring's way may turn so often that c can't tell it from the inner equator.
     far = WOUND * (ends.cosine_a if family == OUTSIDE else 1.0)
     far_way = way_of(family, torus, ends, far)
-    turned, _, _ = integrate_way(torus, far_way, family, False, most, rows)
-    return _wound(torus, pair, family, most) if turned < angle else nothing()
+    turned, _, _ = integrate_way(torus, far_way, family, False, rules[2], rows)
+    return _wound(torus, pair, family, rules[2]) if turned < angle else nothing()
 
 
 def _wound(torus, pair, family, nodes):
@@ -589,22 +578,6 @@ def least_second(torus, pair, nodes, rows):
 # ---- loops over pairs ----------------------------------------------------------
 
 INLINED = "growth", "two_to_bits", "add_nodes"  # compiled, so that several nodes go at once
-
-
-@cache
-def quadratures(ring, ready):
-    """Return the rules that `near_side` wants, for loops that are `ready`, compiled, or plain.
-
-    Compiled, nodes go eight at a time, of which some may have no weight. Plain Python is fastest
-    on lists.
-    """
-    found = []
-    for count in (NODES_OF_WORKING_SHEET, NODES_OF_RING if ring else NODES, NODES):
-        shares, weights = rule(count)
-        rest = -len(shares) % 8
-        padded = np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
-        found.append((padded if ready else [shares.tolist(), weights.tolist()], count // 2))
-    return tuple(found)
 
 
 @loop(inlined=INLINED)
@@ -692,11 +665,11 @@ def _answers(work, kind, classes, seconds, torus, p, q):
     def fill(block):
         some = np.empty((6 * classes, len(ends[block])))
         if ready:
-            room = np.empty((3, NODES // 2))
+            room = np.empty((3, rules[2][1]))
             parts = {**NUMBERS, "ratio": divided}
             compiled.call(work, size, ends[block], rules, room, some, **parts)
         else:
-            room = [[0.0] * (NODES // 2) for _ in range(3)]
+            room = [[0.0] * (rules[2][1]) for _ in range(3)]
             try:
                 compiled.call_plain(work, size, ends[block], rules, room, some, **PLAIN)
             except (ZeroDivisionError, ValueError):

@@ -12,6 +12,7 @@ from ..kernels.exact import norm
 from ..surfaces import Torus
 from ..surfaces.torus import torus_angles, torus_point
 from .bounds import Count, check_on_sheet, check_points
+from .chord_law import normals
 from .quadrature import panels
 
 
@@ -75,7 +76,7 @@ def project_chord(
         t = u
     elif spacing == "tangent":
         # Where both normals are the same, as of a chord without length, equal steps are the limit.
-        b = _half_angle(torus, p, q)[..., None]
+        b = _half_angle(p, q)[..., None]
         tan = np.where(b > 0, np.tan(b), 1)
         t = np.where(b > 0, (1 + np.tan(b * (2 * u - 1)) / tan) / 2, u)
     else:
@@ -99,10 +100,9 @@ def projected(torus, p, q, t):
     return feet(torus, chord_points(torus, p, q, t))
 
 
-def _half_angle(torus, p, q):
+def _half_angle(p, q):
     """Return half the angle between the normals at the ends."""
-    first = torus.normal(p[..., 0], p[..., 1])
-    last = torus.normal(q[..., 0], q[..., 1])
+    first, last = normals(p), normals(q)
     return np.arctan2(norm(last - first), norm(last + first))
 
 

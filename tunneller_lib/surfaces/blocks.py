@@ -12,20 +12,14 @@ by line.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ..kernels import compiled, line_loops
-from ..kernels.elementwise import larger, ratio, smaller, square_root, where
-from ..kernels.vectors import differences, scalar_products, vector_products
+from ..kernels.vectors import differences
 
 BLOCK = 16384  # lines treated at once
 COMPILED = 65536  # the same by a compiled loop, for which only calls count
-CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
-RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
-MISSED = np.inf, -np.inf, True  # what the quick way says of one line beside a shape
-FAR = 6.0  # sizes from the shape, up to which the quick way's roundings are within the promise
 # About how long lines take at most without a compiler, in s: one alone, and each of many.
 PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 
@@ -121,118 +115,3 @@ def _meet_rows(quick, careful, shape, plain, points, directions, ends):
                 some = u if one else u[:, rest]
                 enter[rest], leave[rest] = careful(shape, p[rest].T.copy(), some)
             ends[:, block] = enter, leave
-
-
-def well_shaped(*sizes):
-    """Return whether a shape's sizes, in m, let the quick way decide: no needle, no wafer."""
-    least, most = min(sizes), max(sizes)
-    return least > CLOSE * most and least > 1 / RANGE and most < RANGE
-
-
-class Passing(NamedTuple):
-    """Lines q + t u that pass an axis v; q is counted from the axis' start, in m.
-
-    Parameters
-    ----------
-    n : vectors
-        The products u x v.
-    nn, aside, uu, vv : (...) float
-        The products n n, q n, u u and v v.
-    size : (...) float
-        q^2 u^2 v^2.
-    beside : (...) bool
-        Which pass beside the endless wall, by more than rounding makes of it: sure misses.
-    """
-
-    n: tuple
-    nn: np.ndarray
-    aside: np.ndarray
-    uu: np.ndarray
-    vv: float
-    size: np.ndarray
-    beside: np.ndarray
-
-
-def past_an_axis(shape, q, u):
-    """Return lines as `Passing` the axis of a shape.
-
-    Parameters
-    ----------
-    shape : NamedTuple
-        Its `axis` goes on from its `start`, and `radius` is its widest, in m.
-    q, u : vectors
-        The lines' points from the start, in m, and their directions.
-    """
-    n = vector_products(u, shape.axis)
-    nn, aside = scalar_products(n, n), scalar_products(q, n)
-    uu, vv = scalar_products(u, u), scalar_products(shape.axis, shape.axis)
-    size = scalar_products(q, q) * (uu * vv)
-    # The second term bounds the square of what six roundings make of q n.
-    wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn + 1e-23 * size
-    return Passing(n, nn, aside, uu, vv, size, aside * aside > wide)
-
-
-class Nearest(NamedTuple):
-    """Lines where they are nearest to an axis v.
-
-    Parameters
-    ----------
-    nn, aside, uu, vv, qv, uv : (...) float
-        The products n n, q n, u u, v v, q v and u v.
-    middle : (...) float
-        The line's parameter there.
-    room : (...) float
-        Radius^2 less the squared distance, times n n.
-    half : (...) float
-        The parameter from the middle to the endless wall.
-    sound : (...) bool
-        Where the line passes near enough, and is no tangent, for the quick way.
-    """
-
-    nn: np.ndarray
-    aside: np.ndarray
-    uu: np.ndarray
-    vv: np.ndarray
-    qv: np.ndarray
-    uv: np.ndarray
-    middle: np.ndarray
-    room: np.ndarray
-    half: np.ndarray
-    sound: np.ndarray
-
-
-def nearest_to_axis(shape, q, u, passing):
-    """Return where lines are `Nearest` to the axis of a shape.
-
-    Parameters: shape, q and u as of `past_an_axis`, and passing, which that returns.
-    """
-    v = shape.axis
-    radius = shape.radius
-    n, nn, aside, uu, vv, size, _ = passing
-    qv, uv = scalar_products(q, v), scalar_products(u, v)
-    middle = ratio(-scalar_products(vector_products(q, v), n), nn)
-    room = radius * radius * nn - aside * aside
-    half = ratio(square_root(room * vv), nn)
-    # Where the line's given point is near and its angle to the axis not small, and no tangent.
-    enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
-    enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
-    sound = enough & (room > CLOSE * radius * radius * nn)
-    return Nearest(nn, aside, uu, vv, qv, uv, middle, room, half, sound)
-
-
-def unless_beside(beside, enter, leave, sure):
-    """Return `enter`, `leave` and where they are `sure`; lines `beside` a shape miss for sure."""
-    hit = where(beside, False, enter <= leave)
-    return where(hit, enter, np.inf), where(hit, leave, -np.inf), sure | beside
-
-
-def share_of_axis(lines):
-    """Return which share of the axis, from its start, is nearest to lines."""
-    return (lines.qv + lines.uv * lines.middle) / lines.vv
-
-
-def between_planes(lines):
-    """Return where lines enter and leave the slab between an axis' ends, and where it's sure."""
-    at_start, at_end = ratio(-lines.qv, lines.uv), ratio(lines.vv - lines.qv, lines.uv)
-    steep = lines.uv * lines.uv > CLOSE * CLOSE * lines.uu * lines.vv
-    return smaller(at_start, at_end), larger(at_start, at_end), steep

@@ -8,21 +8,15 @@ import numpy as np
 from ..arguments import Directions, Length0, Point, Points, Radii, checked, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
 from ..kernels.exact import norm
-from ..kernels.vectors import differences, lengths
-from .blocks import (
-    CLOSE,
-    MISSED,
-    between_planes,
-    meet_in_blocks,
-    nearest_to_axis,
-    past_an_axis,
-    share_of_axis,
-    unless_beside,
-    well_shaped,
-)
+from ..kernels.vectors import differences, lengths, scalar_products, vector_products
+from .blocks import meet_in_blocks
 from .rod_interval import along_lines, flat_interval, frame, nearest_point, round_interval
 from .solid import Solid, hull_of_ends
 
+CLOSE = 1e-6  # of the rod: so near to a touch the careful way decides
+RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
+MISSED = np.inf, -np.inf, True  # what the quick way says of one line beside a rod
+FAR = 6.0  # sizes from the rod, up to which the quick way's roundings are within the promise
 PAIRS = 8192  # rods and lines of `meet_rods` that are looked at together, to stay in the cache
 
 
@@ -182,7 +176,9 @@ class Rod(Solid):
         flat = self.ends == "flat"
         careful = _flat_carefully if flat else _round_carefully
         quick = _flat_quickly if flat else _round_quickly
-        plain = well_shaped(lengths(shape.axis), shape.radius)
+        # No needle and no wafer, or its own roundings are beyond what the quick way allows for.
+        sizes_ = lengths(shape.axis), shape.radius
+        plain = min(sizes_) > max(CLOSE * max(sizes_), 1 / RANGE) and max(sizes_) < RANGE
         return meet_in_blocks(careful, shape, point, direction, quick=quick, plain=plain)
 
 
@@ -211,39 +207,125 @@ def _round_carefully(shape, p, u):
     return along_lines(axis, z, shift, *interval)
 
 
+class _Passing(NamedTuple):
+    """Lines q + t u that pass a rod's axis v; q is counted from the axis' start, in m.
+
+    Parameters
+    ----------
+    n : vectors
+        The products u x v.
+    nn, aside, uu, vv : (...) float
+        The products n n, q n, u u and v v.
+    size : (...) float
+        q^2 u^2 v^2.
+    beside : (...) bool
+        Which pass beside the endless wall, by more than rounding makes of it: sure misses.
+    """
+
+    n: tuple
+    nn: np.ndarray
+    aside: np.ndarray
+    uu: np.ndarray
+    vv: float
+    size: np.ndarray
+    beside: np.ndarray
+
+
+def _passing(shape, q, u):
+    """Return lines from q along u, as the quick way takes them, as `_Passing` the axis of a rod."""
+    n = vector_products(u, shape.axis)
+    nn, aside = scalar_products(n, n), scalar_products(q, n)
+    uu, vv = scalar_products(u, u), scalar_products(shape.axis, shape.axis)
+    size = scalar_products(q, q) * (uu * vv)
+    # The second term bounds the square of what six roundings make of q n.
+    wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn + 1e-23 * size
+    return _Passing(n, nn, aside, uu, vv, size, aside * aside > wide)
+
+
+class _Nearest(NamedTuple):
+    """Lines where they are nearest to a rod's axis v.
+
+    Parameters
+    ----------
+    qv, uv : (...) float
+        The products q v and u v.
+    middle : (...) float
+        The line's parameter there.
+    room : (...) float
+        Radius^2 less the squared distance, times n n.
+    half : (...) float
+        The parameter from the middle to the endless wall.
+    sound : (...) bool
+        Where the line passes near enough, and is no tangent, for the quick way.
+    """
+
+    qv: np.ndarray
+    uv: np.ndarray
+    middle: np.ndarray
+    room: np.ndarray
+    half: np.ndarray
+    sound: np.ndarray
+
+
+def _nearest(shape, q, u, passing):
+    """Return where lines that are `passing` the axis of a rod are `_Nearest` to it."""
+    v = shape.axis
+    radius = shape.radius
+    n, nn, aside, uu, vv, size, _ = passing
+    qv, uv = scalar_products(q, v), scalar_products(u, v)
+    middle = ratio(-scalar_products(vector_products(q, v), n), nn)
+    room = radius * radius * nn - aside * aside
+    half = ratio(square_root(room * vv), nn)
+    # Where the line's given point is near and its angle to the axis not small, and no tangent.
+    enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
+    enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
+    sound = enough & (room > CLOSE * radius * radius * nn)
+    return _Nearest(qv, uv, middle, room, half, sound)
+
+
+def _unless_beside(beside, enter, leave, sure):
+    """Return `enter`, `leave` and where they are `sure`; lines `beside` a rod miss for sure."""
+    hit = where(beside, False, enter <= leave)
+    return where(hit, enter, np.inf), where(hit, leave, -np.inf), sure | beside
+
+
 def _flat_quickly(shape, q, u):
     """Return `enter`, `leave` and where they are sure of lines against a flat rod."""
-    passing = past_an_axis(shape, q, u)
+    passing = _passing(shape, q, u)
     if passing.beside is True:
         return MISSED
-    lines = nearest_to_axis(shape, q, u, passing)
-    first, last, steep = between_planes(lines)
+    lines = _nearest(shape, q, u, passing)
+    # The planes of the discs: a line that is nearly level with them is left to the careful way.
+    at_start, at_end = ratio(-lines.qv, lines.uv), ratio(passing.vv - lines.qv, lines.uv)
+    first, last = smaller(at_start, at_end), larger(at_start, at_end)
+    steep = lines.uv * lines.uv > CLOSE * CLOSE * passing.uu * passing.vv
     enter = larger(first, lines.middle - lines.half)
     leave = smaller(last, lines.middle + lines.half)
     # Where both ends nearly fall together the line passes a rim closely.
     clear = abs(leave - enter) > CLOSE * (lines.half + (last - first))
-    return unless_beside(passing.beside, enter, leave, steep & clear & lines.sound)
+    return _unless_beside(passing.beside, enter, leave, steep & clear & lines.sound)
 
 
 def _round_quickly(shape, q, u):
     """Return `enter`, `leave` and where they are sure of lines against a capsule."""
-    passing = past_an_axis(shape, q, u)
+    passing = _passing(shape, q, u)
     if passing.beside is True:
         return MISSED
-    lines = nearest_to_axis(shape, q, u, passing)
-    enter, enters = _end_on_ball(lines, shape.radius, -1.0)
-    leave, leaves = _end_on_ball(lines, shape.radius, 1.0)
-    return unless_beside(passing.beside, enter, leave, enters & leaves & lines.sound)
+    lines = _nearest(shape, q, u, passing)
+    enter, enters = _end_on_ball(passing, lines, shape.radius, -1.0)
+    leave, leaves = _end_on_ball(passing, lines, shape.radius, 1.0)
+    return _unless_beside(passing.beside, enter, leave, enters & leaves & lines.sound)
 
 
-def _end_on_ball(lines, radius, sign):
+def _end_on_ball(passing, lines, radius, sign):
     """Return where lines enter (-1) or leave (1) a capsule, by the ball there, and if it's sure."""
     # Where on the axis, from 0 to 1, the line is nearest to it.
-    share = share_of_axis(lines)
+    share = (lines.qv + lines.uv * lines.middle) / passing.vv
     # The ball's centre is where the endless wall is met, or the axis' end that this is beyond.
-    step = lines.half * (lines.uv / lines.vv)
+    step = lines.half * (lines.uv / passing.vv)
     beside = within(share + sign * step, 0.0, 1.0) - share
     # Radius^2 less the squared distance of that centre from the line.
-    room = ratio(lines.room - beside * beside * (lines.nn * lines.nn / lines.uu), lines.nn)
-    end = lines.middle + beside * (lines.uv / lines.uu) + sign * square_root(room / lines.uu)
+    nn, uu = passing.nn, passing.uu
+    room = ratio(lines.room - beside * beside * (nn * nn / uu), nn)
+    end = lines.middle + beside * (lines.uv / uu) + sign * square_root(room / uu)
     return where(room > 0, end, -sign * np.inf), abs(room) > CLOSE * radius * radius

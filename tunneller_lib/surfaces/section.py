@@ -69,13 +69,10 @@ class Arc:
     @property
     def swept(self):
         """Return twice the area between the arc and the origin, in m^2."""
-        y = self.y
-        z = self.z
-        radius = self.radius
-        end = self.start + self.sweep
         # Green's theorem: the integral of y dz - z dy along the arc.
-        moment = y * (np.sin(end) - np.sin(self.start)) - z * (np.cos(end) - np.cos(self.start))
-        return radius * (radius * self.sweep + moment)
+        start, end = self.start, self.start + self.sweep
+        moment = self.y * (np.sin(end) - np.sin(start)) - self.z * (np.cos(end) - np.cos(start))
+        return self.radius * (self.radius * self.sweep + moment)
 
 
 @dataclass(frozen=True)
@@ -241,16 +238,12 @@ class Section:
         arcs = self.arcs
         slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
         slack += 2 * self.slack
-        inside = np.full(y.shape, np.inf)
-        for arc in arcs:
-            inside = np.minimum(inside, arc.depth(y, z, slack))
+        inside = np.min([arc.depth(y, z, slack) for arc in arcs], axis=0)
         if np.all(np.isfinite(inside)):
             return inside[()]
         # Outside a corner no piece has the point in its sector: the corner is nearest.
-        corner = np.full(y.shape, np.inf)
-        for arc in arcs:
-            (start, _) = arc.locate(np.zeros(()))
-            corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
+        corners = [arc.locate(np.zeros(()))[0] for arc in arcs]
+        corner = np.min([np.hypot(y - a, z - b) for a, b in corners], axis=0)
         return np.where(np.isfinite(inside), inside, -corner)[()]
 
     @checked
