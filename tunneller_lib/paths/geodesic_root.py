@@ -417,15 +417,6 @@ def integrate(torus, way, nodes, rows):
     return folded(rows[0], count), rate, folded(rows[2], count)
 
 
-def integrate_in_legs(torus, legs, nodes, rows):
-    """Return what `integrate` does for a way in three `legs`; torus, nodes and rows as there."""
-    turned = rate = length = 0.0
-    for leg in legs:
-        parts = integrate(torus, leg, nodes, rows)
-        turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
-    return turned, rate, length
-
-
 def add_nodes(torus, way, nodes, rows):
     """Write down what nodes at shares of the way from both of its ends add to each integral.
 
@@ -581,11 +572,6 @@ def quadratures(ring, ready):
     return tuple(found)
 
 
-def on_working_sheet(torus, a, angle):
-    """Return where few nodes do, found by doubling them until nothing changed."""
-    return torus.r <= torus.R / 4 and a <= 1 and angle <= 2
-
-
 def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
     """Return the way of a class that turns by an angle.
 
@@ -613,7 +599,8 @@ def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
     length, c, cos_a, cos_b : float
         Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
     """
-    sheet = on_working_sheet(torus, a, angle)
+    # Few nodes do where they, doubled, change nothing: near enough to a sphere, far from the node.
+    sheet = torus.r <= torus.R / 4 and a <= 1 and angle <= 2
     hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
     nodes = rules[0] if sheet else rules[1]
     u, scale, low = begin
@@ -649,15 +636,18 @@ def way_of(family, torus, ends, u):
 
 
 def integrate_way(torus, way, family, hard, nodes, rows):
-    """Return what `integrate` does for a way of a class, `family`, in legs where it is `hard`.
+    """Return what `integrate` does for a way of a class, in legs where one quadrature won't do.
 
-    The other arguments, torus, nodes and rows, are those of `integrate`.
+    The class is `family`; `hard` says that a way of `outer` needs legs, as those of `second` always
+    do. The other arguments, torus, nodes and rows, are those of `integrate`.
     """
-    if family > INSIDE:
-        return integrate_in_legs(torus, legs_of_second(way), nodes, rows)
-    if hard:
-        return integrate_in_legs(torus, in_legs(way), nodes, rows)
-    return integrate(torus, way, nodes, rows)
+    if family <= INSIDE and not hard:
+        return integrate(torus, way, nodes, rows)
+    turned = rate = length = 0.0
+    for leg in in_legs(way) if hard else legs_of_second(way):
+        parts = integrate(torus, leg, nodes, rows)
+        turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
+    return turned, rate, length
 
 
 def newton(u, miss, rate, scale, low, high, before):

@@ -76,7 +76,8 @@ def project_chord(
         t = u
     elif spacing == "tangent":
         # Where both normals are the same, as of a chord without length, equal steps are the limit.
-        b = _half_angle(p, q)[..., None]
+        first, last = normals(p), normals(q)
+        b = np.arctan2(norm(last - first), norm(last + first))[..., None]
         tan = np.where(b > 0, np.tan(b), 1)
         t = np.where(b > 0, (1 + np.tan(b * (2 * u - 1)) / tan) / 2, u)
     else:
@@ -98,12 +99,6 @@ def feet(torus, m):
 def projected(torus, p, q, t):
     """Return the projected chord (..., n, 2) on a torus from p to q: the feet of M(t), 3.3."""
     return feet(torus, chord_points(torus, p, q, t))
-
-
-def _half_angle(p, q):
-    """Return half the angle between the normals at the ends."""
-    first, last = normals(p), normals(q)
-    return np.arctan2(norm(last - first), norm(last + first))
 
 
 def _equal_arcs(torus, p, q, u):

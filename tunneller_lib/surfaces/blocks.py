@@ -24,12 +24,7 @@ COMPILED = 65536  # the same by a compiled loop, for which only calls count
 PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 
 
-def undecided(shape, q, u):
-    """Return that nothing is sure: the quick way of a shape that has only a careful one."""
-    return np.inf, -np.inf, False
-
-
-def meet_in_blocks(careful, shape, point, direction, *, quick=undecided, plain=False):
+def meet_in_blocks(careful, shape, point, direction, *, quick=line_loops.quick, plain=False):
     """Return where lines enter and leave one shape.
 
     Parameters

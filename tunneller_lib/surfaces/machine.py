@@ -201,6 +201,7 @@ class Machine:
         d = self.offset
         reach = self.r + self.R
         (right, floor), (left, crown) = section.box
+        half = max(left, -right) - d
         # The sine's greatest value within each range of angles; past a right angle it falls again.
         swing, lift, drop = (
             np.sin(min(angle, np.pi / 2))
@@ -208,12 +209,7 @@ class Machine:
         )
         return (
             Requirement("bend, offset < least radius", d, True, section.least_radius),
-            Requirement(
-                "width, half width - offset <= R sin(phi)",
-                max(left, -right) - d,
-                False,
-                self.R * swing,
-            ),
+            Requirement("width, half width - offset <= R sin(phi)", half, False, self.R * swing),
             Requirement(
                 "crown, roof - offset - height <= (r + R) sin(-theta_min)",
                 crown - d - self.height,
