@@ -525,7 +525,7 @@ def _stretched(torus, way):
     long_side = square_root((1 + abs(along)) / 2)
     short_side = across / (2 * long_side)
     reach = short_side / (1 + long_side) if along > 0 else long_side / (1 + short_side)
-    # By how much tan(t/4) grows: by the tangent of a sum less `first`, written without a difference.
+    # By how much tan(t/4) grows: the tangent of a sum less `first`, written without a difference.
     width = reach * (1 + first * first) / (1 - first * reach)
     last = first + width
     # sinh^2(h) of the nearer singular point: D or rho is zero where sin^2(t) = -sinh^2(h). Halved
@@ -663,8 +663,8 @@ def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
             miss -= rate * step if step != 0 else 0.0
             break
     else:
-        # On what is nearly a sphere all ways of a class may turn by the same to the last digit. Then
-        # Newton's steps never become small, and any u will do.
+        # On what is nearly a sphere all ways of a class may turn by the same to the last digit.
+        # Then Newton's steps never become small, and any u will do.
         miss *= larger(torus.r / torus.R, 1.0)
     if abs(miss) <= AGREES:
         return True, total, way.c, way.cosines[0], way.cosines[1]
@@ -696,7 +696,7 @@ def integrate_way(torus, way, family, hard, nodes, rows):
 
 
 def newton(u, miss, rate, scale, low, high, before):
-    """Return a new bracket low, high, how far u goes, Newton's step, the next u, and if that's last.
+    """Return a new bracket low, high, how far u goes, Newton's step, the next u, and if it's last.
 
     Parameters
     ----------
