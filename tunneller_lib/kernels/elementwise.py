@@ -1,8 +1,8 @@
-"""One formula for one line and for many: operations on floats and, element by element, on arrays.
+"""One formula for one number and for many: operations on floats and, element by element, on arrays.
 
-Python adds two floats in a thirtieth of the time that numpy takes to be called. A formula made of
-sums, products and these functions runs either way, with the same bits. Many callers divide by zero
-where another branch gives the answer: with arrays they switch numpy's warnings off.
+Python adds two floats in a thirtieth of the time that it takes to call numpy. A formula made of
+sums, products and these functions runs on either, with the same bits. Many callers divide by zero
+in a branch that isn't chosen: with arrays they switch numpy's warnings off.
 """
 
 import math
@@ -12,6 +12,7 @@ import numpy as np
 
 def where(condition, yes, no):
     """Return `yes` where a condition holds, else `no`."""
+    # A comparison of floats gives one of these two, one of arrays an array.
     if condition is True:
         return yes
     if condition is False:
@@ -21,6 +22,7 @@ def where(condition, yes, no):
 
 def smaller(a, b):
     """Return the smaller of two numbers, or NaN if either is."""
+    # A comparison with NaN is false: a is asked for by itself, and b is then returned anyway.
     if type(a) is float and type(b) is float:
         return a if a <= b or a != a else b
     return np.minimum(a, b)
@@ -34,7 +36,7 @@ def larger(a, b):
 
 
 def within(x, low, high):
-    """Return x, or the limit beyond which it lies."""
+    """Return x, or the limit that it is beyond."""
     return smaller(larger(x, low), high)
 
 
@@ -69,7 +71,7 @@ def two_to(shifted):
     return math.ldexp(1.0, int(shifted - 1.5 * 2.0**52))
 
 
-# ---- the same of numbers alone, for loops that may be compiled -------------
+# ---- the same for numbers alone, in loops that may be compiled -------------
 
 
 def chosen(condition, yes, no):
@@ -93,7 +95,7 @@ def quotient(a, b):
 
 
 def divided(a, b):
-    """Return a / b in a `compiled.loop`, whose quotients by zero are those of arrays."""
+    """Return a / b in a `compiled.loop`, where quotients by zero are as those of arrays."""
     return a / b
 
 
@@ -103,7 +105,7 @@ def power_in_bits(x):
 
 
 def two_to_bits(shifted):
-    """Return `two_to` of a number."""
+    """Return `two_to` by the bits: the last bits of `shifted` are n, and go into the exponent."""
     return np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
 
 

@@ -1,4 +1,4 @@
-"""Vectors as three numbers each, or as three rows of many."""
+"""Vectors of three numbers each, or of three rows, one for each coordinate of many vectors."""
 
 from .elementwise import larger, power_above, scaled, square_root, where
 
@@ -57,9 +57,9 @@ def either(condition, yes, no):
 
 
 def near_one(v):
-    """Return vectors over powers of two that bring them near 1, and their exponents.
+    """Return vectors divided by powers of two, so that their sizes are near 1, and the exponents.
 
-    No digit changes, and the squares are in range.
+    No digit changes by that, and squares neither over- nor underflow.
     """
     x, y, z = v
     power = power_above(larger(larger(abs(x), abs(y)), abs(z)))
@@ -67,7 +67,7 @@ def near_one(v):
 
 
 def unit_and_speed(direction):
-    """Return the unit vectors along directions, none of them zero, and the lengths of these."""
+    """Return the unit vectors along directions, none of which is zero, and the directions' lengths."""
     along, power = near_one(direction)
     speed = lengths(along)
     return shares(along, speed), scaled(speed, power)
