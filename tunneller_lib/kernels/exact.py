@@ -50,7 +50,7 @@ def cross(a, b):
 
 
 def accurate_products(a, b):
-    """Return vector products of vectors of three numbers, each component right to its last digits."""
+    """Return vector products of three numbers each, every one right to its last digits."""
     ax, ay, az = a
     bx, by, bz = b
     return (
@@ -79,7 +79,7 @@ def radius_and_excess(x, z, r):
 def in_blocks(function, rows, width, block=8192):
     """Return `function` of an array (..., n), called on blocks of rows that fit the cache.
 
-    `function` maps (k, n) to (k, width). Without blocks numpy's intermediate arrays travel to memory
+    `function` maps (k, n) to (k, width). Without blocks numpy's intermediate arrays go to memory
     and back, which costs more than the arithmetic.
     """
     flat = rows.reshape(-1, rows.shape[-1])

@@ -16,7 +16,7 @@ def quick(shape, q, u):
 
 
 def careful(shape, p, u):
-    """Return `enter` and `leave` for a point p, in m, as given: stands for a shape's careful way."""
+    """Return `enter` and `leave` by a shape's careful way, for which this name stands."""
     raise NotImplementedError
 
 

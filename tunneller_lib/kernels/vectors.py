@@ -67,7 +67,7 @@ def near_one(v):
 
 
 def unit_and_speed(direction):
-    """Return the unit vectors along directions, none of which is zero, and the directions' lengths."""
+    """Return the unit vectors along directions, none of which is zero, and their lengths."""
     along, power = near_one(direction)
     speed = lengths(along)
     return shares(along, speed), scaled(speed, power)

@@ -1,14 +1,14 @@
 """Many lines against one shape, in blocks that stay in the cache.
 
-Each shape has a careful way, with twice the digits where they cancel. A round shape has a quick
-way as well, the plain formula. It is sure of lines that are given near the shape, that are neither
-nearly parallel to its axis nor nearly level with its discs, and that neither touch the shape nor
-pass it closely. Of lines between random places it leaves one of a hundred thousand to the careful
-way; of lines that a program aims at an edge it may leave them all.
+Each shape has a careful way, with twice the digits where numbers cancel. A rod has a quick way as
+well, by the plain formula. It is sure of lines whose given point is near the rod, which are neither
+nearly parallel to its axis nor nearly level with its discs, and which neither touch the rod nor
+pass it closely. Of lines between random places it leaves one in a hundred thousand to the careful
+way; of lines that a program aims at an edge it may leave all.
 
-Both ways are written once, `elementwise`: for one line they take Python's own floats, for many
-rows of x, y and z, over which numpy runs fastest. Where loops are `compiled` a loop calls them line
-by line.
+Each way is written once, by the functions of `elementwise`. For one line these take Python's own
+floats, for many lines rows of x, y and z, over which numpy runs fastest. Where loops are
+`compiled`, one calls the same way line by line.
 """
 
 import math
@@ -19,8 +19,8 @@ from ..kernels import compiled, line_loops
 from ..kernels.vectors import differences
 
 BLOCK = 16384  # lines treated at once
-COMPILED = 65536  # the same by a compiled loop, for which only calls count
-# About how long lines take at most without a compiler, in s: one alone, and each of many.
+COMPILED = 65536  # the same by a compiled loop, which has no arrays in between, only calls
+# About the longest that lines take without a compiler, in s: one alone, and each of many.
 PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 
 
@@ -30,16 +30,16 @@ def meet_in_blocks(careful, shape, point, direction, *, quick=line_loops.quick, 
     Parameters
     ----------
     careful : function
-        Of the shape, of points and directions as `vectors`; returns `enter` and `leave`.
+        Returns `enter` and `leave` for the shape, and for points and directions as `vectors`.
     shape : NamedTuple
-        Numbers and vectors of the shape; its `start`, in m, is one of its points.
+        Numbers and vectors of the shape; `start`, in m, is one of the shape's points.
     point, direction : (..., 3) float
         Points of the lines, in m, and their directions.
     quick : function, optional
-        Of the shape, of points counted from its start, in m, and of directions; returns `enter`,
-        `leave` and where they are `sure`.
+        Returns `enter`, `leave` and where they are `sure`, for the shape, for points counted from
+        its start, in m, and for directions.
     plain : bool
-        Whether the quick way may decide, see `well_shaped`.
+        Whether the quick way may decide for this shape.
 
     Returns
     -------
@@ -64,16 +64,17 @@ def meet_in_blocks(careful, shape, point, direction, *, quick=line_loops.quick, 
         meet = _meet_compiled if ready else _meet_rows
         rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
         meet(quick, careful, shape, plain, *rows)
-    # Adding 0.0 turns -0.0 into 0.0: of two zeros Python's `max` and numpy's keep different ones.
+    # Adding 0.0 turns -0.0 into 0.0: of two zeros Python's `max` and numpy's choose differently.
     found += 0.0
     return found[0], found[1]
 
 
 def _rows(vectors, lines):
-    """Return vectors as rows (n, 3) of so many lines, or as one row for all."""
+    """Return vectors as rows (n, 3), one for each of the `lines`, or as one row for all of them."""
     if vectors.size == 3:
         return vectors.reshape(1, 3)
-    if vectors.shape[:-1] != lines:  # else read-only: to a compiler a type of its own
+    # An array that is broadcast is read-only, to a compiler a type of its own.
+    if vectors.shape[:-1] != lines:
         vectors = np.broadcast_to(vectors, (*lines, 3))
     return vectors.reshape(-1, 3)
 
@@ -92,7 +93,7 @@ def _meet_compiled(quick, careful, shape, plain, points, directions, ends):
 
 
 def _meet_rows(quick, careful, shape, plain, points, directions, ends):
-    """Fill in what `_meet_compiled` does, by numpy on whole rows."""
+    """Fill in what `_meet_compiled` does, by numpy on many lines at once."""
     points = np.broadcast_to(points, (ends.shape[1], 3))
     start = np.array(shape.start)[:, None]
     one = directions[0].tolist() if len(directions) == 1 else None
