@@ -40,6 +40,7 @@ def difference_of_products(a, b, c, d):
     """Return a * b - c * d to the last digits, however much of it cancels."""
     first, first_error = two_product(a, b)
     second, second_error = two_product(c, d)
+    # Where both products are nearly the same, what their roundings took off is most of the answer.
     difference, error = two_sum(first, -second)
     return difference + (error + (first_error - second_error))
 
@@ -72,6 +73,7 @@ def radius_and_excess(x, z, r):
     lead = x_lead * x_lead + z_lead * z_lead - r_lead * r_lead
     rest = (x - x_lead) * (x + x_lead) + (z - z_lead) * (z + z_lead)
     rest -= (r - r_lead) * (r + r_lead)
+    # rho - r is (rho^2 - r^2) / (rho + r), with the difference of squares in two parts.
     rho = np.sqrt(x * x + z * z)
     return rho, (lead + rest) / (rho + r)
 

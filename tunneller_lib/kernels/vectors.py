@@ -43,7 +43,7 @@ def multiples(factor, v):
 
 
 def shares(v, parts):
-    """Return vectors divided by numbers, none zero."""
+    """Return vectors divided by numbers, none of which is zero."""
     return v[0] / parts, v[1] / parts, v[2] / parts
 
 
@@ -63,6 +63,7 @@ def near_one(v):
     """
     x, y, z = v
     power = power_above(larger(larger(abs(x), abs(y)), abs(z)))
+    # The greatest component decides, so that no other one can overflow.
     return (scaled(x, -power), scaled(y, -power), scaled(z, -power)), power
 
 

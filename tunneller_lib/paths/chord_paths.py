@@ -119,6 +119,7 @@ def _simpson_points(torus, p, q, t):
     normal = _normal(torus, m)
     between = (1 - t)[:, None] * normals(p)[..., None, :]
     between = between + t[:, None] * normals(q)[..., None, :]
+    # From there M drops along its own normal to where it would drop along the mean.
     mean = (normal + 4 * _middle_normal(torus, p, q) + between) / 6
     return m + _depth(torus, m)[..., None] * (mean - normal)
 

@@ -153,6 +153,7 @@ class Circuit:
             missed |= np.abs(z) > rho
             self._refuse(missed, s)
             return np.stack([np.arcsin(-z / rho), np.arcsin(y / torus.R)], axis=-1)
+        # A product with the axes from the right takes vectors to the machine's frame.
         a = np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=-1) @ self.axes
         along = self.axes[0]  # the tunnel's direction, seen by the machine
         # A ruling so far off misses for sure, and needn't be solved for.
@@ -191,6 +192,7 @@ class Circuit:
             low = position.min(axis=0)
             high = position.max(axis=0)
             extremes = s[np.concatenate([position.argmin(axis=0), position.argmax(axis=0)])]
+            # The next samples lie within a step of each extreme, 32 times as close.
             s = (extremes[:, None] + step * np.linspace(-1, 1, 65)).ravel()
             step /= 32
         return low, high

@@ -201,6 +201,7 @@ class ConeChord:
         start, stop = self.geodesic([0.0, 1.0])
         along = (stop - start) / np.hypot(*(stop - start))
         offset = self.path(u) - start
+        # The apex lies to the left of the geodesic if the azimuth grows, else to its right.
         across = along[0] * offset[..., 1] - along[1] * offset[..., 0]
         return np.sign(self.turn) * across
 

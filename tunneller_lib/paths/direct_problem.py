@@ -264,8 +264,7 @@ def half_swing(torus: Torus, clairaut: Lengths):
         )
     halves = np.empty((2, clairaut.size))
     sines = (clairaut.ravel() / wide).tolist()
-    arguments = torus.r / torus.R, sines, *_plain_room(), *halves
-    compiled.call_plain(_swing_each, *arguments, **PLAIN)
+    compiled.call_plain(_swing_each, torus.r / torus.R, sines, *_plain_room(), *halves, **PLAIN)
     turned, length = halves.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
@@ -387,7 +386,7 @@ def orbit_of(r, phi, placed, sine, cosine):
     reach = area_sine(math.pi / 2 / width)
     panels = whole_part(reach / PANEL + 0.5)
     orbit = Orbit(c, A, B, E, width, free, panels, reach / panels)
-    upward = rising(cosine)
+    upward = -1.0 if cosine < 0 else 1.0
     if free:
         # Round the tube phi falls as pi - 2t, or grows as its negative. Near the inner equator,
         # where a round begins, t is small and mustn't be a difference of numbers near pi/2.
@@ -400,11 +399,6 @@ def orbit_of(r, phi, placed, sine, cosine):
         begun = -1.0 if slope > 0 else 1.0
     t = arctangent(slope if half_sine < 0 else -slope, abs(half_sine))
     return orbit, Start(phi, upward, t, begun)
-
-
-def rising(cosine):
-    """Return 1 if phi grows at first, by the cosine of the azimuth, else -1."""
-    return -1.0 if cosine < 0 else 1.0
 
 
 def whole_part(x):
@@ -695,7 +689,8 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
                 found = theta, phi, azimuth
             else:
                 # Along a meridian phi grows or falls with the arc; there is no swing to look up.
-                turned, place, direction = 0.0, near + rising(cosine) * (ways[k] / R), whither
+                along = -ways[k] / R if cosine < 0 else ways[k] / R
+                turned, place, direction = 0.0, near + along, whither
                 if leaving:
                     turned, place, direction = point_on(
                         orbit, start, begun, ways[k] / R, count, edges, series

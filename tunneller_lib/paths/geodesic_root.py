@@ -489,16 +489,16 @@ def add_nodes(torus, way, nodes, rows):
             D = A + swing
             under = both * D
             # One division gives the quotients by rho, by rho + c and by D.
-            all_ = 1 / (rho * under)
-            by_rho = all_ * under
-            density = square_root(twice * (all_ * rho)) * (step * (above + below) * flat)
+            over_all = 1 / (rho * under)
+            by_rho = over_all * under
+            density = square_root(twice * (over_all * rho)) * (step * (above + below) * flat)
             # Twice the rate by the unknown of the logarithm of rho sqrt((rho + c) D), to be taken
             # from that of c.
             drho = dc + twice * (dE + dswing)
             twice_rate = (
                 2 * drho * by_rho
-                + (drho + dc) * (all_ * (rho * D))
-                + (dA + dswing) * (all_ * (rho * both))
+                + (drho + dc) * (over_all * (rho * D))
+                + (dA + dswing) * (over_all * (rho * both))
             )
             turned_by = turned_by + c * by_rho * density
             rate_by = rate_by + (dc - half_c * twice_rate) * by_rho * density
@@ -653,7 +653,7 @@ def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
     for _ in range(ROUNDS):
         turned, rate, length = integrate_way(torus, way, family, hard, nodes, rows)
         miss = angle - turned
-        # length - c turned is stationary in u, so that the error of u counts here by its square.
+        # Along the class dlength = c dturned: so the error of u counts here by its square.
         total = length + way.c * miss
         low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
         way = way_of(family, torus, ends, u)  # after the last step, for c and the azimuths alone
@@ -716,7 +716,7 @@ def newton(u, miss, rate, scale, low, high, before):
         low = u
     if miss < 0:
         high = u
-    # Beyond the end of a class no angle changes: rate is 0 there, and u the answer or no root.
+    # Beyond the end of a class no angle changes: there rate is 0, and u is the root or none is.
     step = 0.0 if miss == 0 or rate == 0 else miss / rate
     onward = rate != 0 or abs(miss) <= AGREES
     # The bracket is halved instead where Newton's step leaves it or isn't a number, and where the

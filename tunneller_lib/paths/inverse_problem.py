@@ -520,9 +520,9 @@ def _wound(torus, pair, family, nodes):
     end = abs(pair.b) if family == INSIDE else pair.b
     last, cos_b = _from_inner_equator(torus, math.pi - end, nodes)
     length = c * pair.angle + torus.R * (first + last)
-    if family == INSIDE:
-        return Way(INNER, length, c, cos_a, cos_b)
-    return Way(OUTER, length, c, cos_a, -cos_b)
+    # Over the inner equator phi goes on growing at b; round the outside it falls there.
+    kind, sign = (INNER, 1.0) if family == INSIDE else (OUTER, -1.0)
+    return Way(kind, length, c, cos_a, sign * cos_b)
 
 
 def _from_inner_equator(torus, z, nodes):

@@ -130,6 +130,7 @@ def _where_run(series, run):
     Their speeds have the `series` (ORDER, k), and `run` (k, n) is how far.
     """
     arc = legendre.legint(series, lbnd=-1)
+    # The first guess is the place at an even speed.
     whole = 2 * series[0][:, None]
     x = 2 * run / np.where(whole > 0, whole, 1) - 1
     low, high = np.full(run.shape, -1.0), np.full(run.shape, 1.0)

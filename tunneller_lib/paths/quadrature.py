@@ -89,8 +89,7 @@ def panels(torus, way, p, q):
     """
     first, last = (torus.point(*np.moveaxis(end, -1, 0)) for end in (p, q))
     turned = np.maximum(1, np.abs(way(p, q, np.array([0.0, 1.0]))).max(axis=(1, 2)))
-    rounding = ROUNDING * (torus.r + torus.R) * turned
-    within = RESOLVED * norm(last - first) + rounding
+    within = RESOLVED * norm(last - first) + ROUNDING * (torus.r + torus.R) * turned
 
     def measured(rows, low, high):
         t, _, _, _, _ = _rules()

@@ -123,5 +123,6 @@ class Cone:
             In m, with the apex in the origin and azimuth 0 along the first axis. Lengths and angles
             on the surface are kept.
         """
+        # A parallel at the distance d is 2 pi d sin(half_angle) long, and becomes as long an arc.
         angle = azimuth * np.sin(self.half_angle)
         return np.stack(np.broadcast_arrays(distance * np.cos(angle), distance * np.sin(angle)), -1)

@@ -228,6 +228,7 @@ class Machine:
     @checked
     def heights(self, section: Section):
         """Return the lowest and the highest `height`, in m, that reach crown and floor."""
+        # Both inequalities are linear in the height: what is missing, or to spare, moves it.
         crown, floor = self.requirements(section)[2:]
         return self.height + crown.left - crown.right, self.height - floor.left + floor.right
 
