@@ -135,7 +135,7 @@ def write_report():
         say(f"report/report.pdf left as it was: {error}")
         return 1
     from report.site.machine import moving_file
-    from tunneller_lib.job.atomic_write import replacement
+    from tunneller_lib.atomic_write import replacement
 
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}
     lists[MOVING] = moving_file()

@@ -279,7 +279,7 @@ def test_cut_looks_at_its_folder_before_it_simulates(capsys, job, tmp_path):
 @pytest.mark.parametrize("file", ["...toml", "tunnel.v2.toml"])
 def test_job_writes_into_a_folder_of_its_own_under_build(job, tmp_path, monkeypatch, file):
     job().rename(tmp_path / file)
-    monkeypatch.setattr("tunneller_lib.job.atomic_write.output", lambda path: asked.append(path))
+    monkeypatch.setattr("tunneller_lib.atomic_write.output", lambda path: asked.append(path))
     asked = []
     with pytest.raises(TypeError):  # with None instead of a folder to write into
         main(["cut", str(tmp_path / file)])

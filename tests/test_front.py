@@ -82,7 +82,7 @@ def test_front_takes_what_a_wall_that_is_cut_would_lose(s, advance, close):
     wall.cut_path(centres[: here + 1], radius)
     ahead = centres[here + 1] - centres[here]
     ahead /= np.linalg.norm(ahead)
-    _, area = wall.front(centres[here] + [0 * ahead, 1e-5 * ahead], radius)
+    _, area, _ = wall.front(centres[here] + [0 * ahead, 1e-5 * ahead], radius)
     place = way[here : here + 1]
     assert engaged_areas(CIRCUIT, place, advance)[0] == pytest.approx(area @ ahead, rel=close)
     if not advance:

@@ -89,10 +89,10 @@ def test_front_is_how_much_more_a_further_short_move_takes():
     turn = np.linspace(0.0, 0.5, 400)
     way = np.stack([0 * turn, 0.32 * np.cos(turn), 0.32 * np.sin(turn)], axis=-1)
     wall.cut_path(way[:-1], 0.2)
-    volume, area = wall.front(way[-2:], 0.2)
+    volume, area, cut = wall.front(way[-2:], 0.2)
     assert volume == pytest.approx(wall.copy().cut_path(way[-2:], 0.2), rel=1e-12)
     assert area @ (way[-1] - way[-2]) == pytest.approx(volume, rel=0.02)
-    wall.cut_path(way[-2:], 0.2)
+    assert cut() == pytest.approx(volume, rel=1e-12)
     ahead = (way[-1] - way[-2]) / np.linalg.norm(way[-1] - way[-2])
     outward = way[-1] / np.linalg.norm(way[-1])
     for share in rng.uniform(0.0, 0.2, 4):  # out of the wall or along it the places stay the same

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 LIBRARY = ROOT / "tunneller_lib"
 MODULES = sorted(LIBRARY.rglob("*.py"))
 FLOORS = {
-    "arguments": 0, "kernels": 0, "terminal": 0,
+    "arguments": 0, "atomic_write": 0, "kernels": 0, "terminal": 0,
     "surfaces": 1, "envelopes": 1,
     "paths": 2, "removal": 2, "motion": 2,
     "ream": 3, "milling": 3,

@@ -12,8 +12,8 @@ import pyvista
 from kit import figure
 from tests.examples.job import _JOB
 from tunneller_lib.__main__ import main
+from tunneller_lib.atomic_write import output, replacement
 from tunneller_lib.job import mesh, read_job, wall_plot
-from tunneller_lib.job.atomic_write import output, replacement
 from tunneller_lib.job.csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
 from tunneller_lib.job.results import write_all
@@ -140,7 +140,7 @@ def test_disk_that_takes_no_more_is_told_and_nothing_is_left(jobs, tmp_path, mon
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tunneller_lib.job.atomic_write.list_files", full)
+    monkeypatch.setattr("tunneller_lib.atomic_write.list_files", full)
     assert cut(jobs, "later", tmp_path / "cut") == 2 and list(tmp_path.iterdir()) == []
     assert capsys.readouterr().err.endswith("wrong: No space left on device.\n")
 

@@ -212,6 +212,21 @@ def test_profile_is_the_greatest_that_keeps_bound_and_acceleration():
     assert np.all(full[1:] | full[:-1])
 
 
+@pytest.mark.parametrize("length", [0.0625, 0.1249, 0.1251, 0.2])
+def test_profile_keeps_the_acceleration_up_to_the_longest_move_that_a_bend_allows(length):
+    slope, bend = np.zeros((2, 4, 2))
+    slope[:, 0], bend[2] = 1.0, (4.0, 3.0)  # before the last move, with g11 / g12 = 1 / 4 m
+    way = [length] * 3, np.zeros((4, 2)), [1e-4] * 3
+    turns = np.stack([slope, bend, np.ones((4, 2))])
+    if length > 0.125:
+        with pytest.raises(ValueError, match=r"^lengths: a move must be shorter than 0\.125 m"):
+            Limits(feed=1.0, acceleration=1.0).profile(*way, turns=turns)
+        return
+    x = Limits(feed=1.0, acceleration=1.0).profile(*way, turns=turns) ** 2
+    joints = slope[:-1] * (np.diff(x) / (2 * length))[:, None] + bend[:-1] * x[:-1, None]
+    assert np.hypot(*joints.T).max() == pytest.approx(1.0, rel=1e-12)
+
+
 def test_bounds_keep_valves_flow_and_volume():
     axes = AXES
     loose = lap()

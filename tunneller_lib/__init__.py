@@ -1,7 +1,7 @@
 """The library behind an open study of a hydraulically actuated tunnelling robot.
 
 Floors, each importing only from those below: `job`; `ream`, `milling`; `paths`, `motion`,
-`removal`; `surfaces`, `envelopes`; `kernels`, `arguments`, `terminal`.
+`removal`; `surfaces`, `envelopes`; `kernels`, `arguments`, `atomic_write`, `terminal`.
 Metres, radians and seconds throughout; points are (..., 3), joint positions (..., 2).
 """
 

@@ -169,7 +169,7 @@ def simulated(job):
 
 def run_cut(options):
     """Plan a cut; unless it is a dry run also simulate it, and write the budget and the files."""
-    from .job.atomic_write import list_files, output
+    from .atomic_write import list_files, output
     from .job.results import plan_numbers, plan_text, summarise, summary_text, write_all
 
     if options.dry_run:

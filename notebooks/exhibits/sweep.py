@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import tunneller_lib
-from tunneller_lib.job.atomic_write import replacement
+from tunneller_lib.atomic_write import replacement
 
 from . import atlas
 

@@ -19,7 +19,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from tunneller_lib.arguments import shown
-from tunneller_lib.job.atomic_write import replacement
+from tunneller_lib.atomic_write import replacement
 
 from .displays import RecordedTable, RecordedText
 from .number_format import cell, decimals_of, exponent, number, significant, steady

@@ -15,7 +15,7 @@ from .jet import Jet, by_slopes, cross_product, differentiated, jet_variables
 # |K|/|II|^2, up to which a point counts as one of Gaussian curvature 0. Rounding grows towards it:
 # at 1e-3 vertices of cones are known to 1e-10 of their distance, at 1e-6 to 1e-6.
 FLAT = 1e-6
-_NOISE = 1e-12  # of its terms, up to which a number counts as rounding
+_NOISE = 1e-12  # share of its terms up to which a number counts as rounding
 MOST = 1e90  # of a jet's coefficients: products of three, and their sums, are then numbers
 
 
@@ -125,8 +125,8 @@ def frames_by(surface, s, t, model):
             n = cross_product(tangent, other)
             length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
             n = [c / length for c in n]
-        # The frame's axes: along one tangent, across it, along the normal. The jets are turned
-        # into it, which makes the surface's height and slope vanish at the point.
+        # The frame's axes: along one tangent, across it, along the normal. The jets are moved and
+        # turned into this frame, where the surface's height and slopes vanish at the point.
         third = np.stack([c.value for c in n], axis=-1)
         first = np.stack([c.value for c in tangent], axis=-1)
         first = first / np.linalg.norm(first, axis=-1, keepdims=True)
@@ -134,6 +134,7 @@ def frames_by(surface, s, t, model):
         contact = np.stack([c.value for c in r], axis=-1)
         r = _turned(axes, [c - c.value for c in r])
         n = _turned(axes, n)
+        # The first ten coefficients are those to order 3, to which both r and n are known.
         finite = np.all([np.isfinite(c.c[:10]).all(0) for c in (*r, *n)], axis=0)
         return AdaptedFrames(contact, axes, _curvature(r, n), (known > _NOISE) & finite, r, n)
 

@@ -88,7 +88,7 @@ class TouchingCone:
 
 @dataclass(frozen=True, eq=False)
 class Cones:
-    """Cones in third-order contact with a surface: arrays with a row a cone, and their sequence.
+    """Cones in third-order contact with a surface: a sequence, and arrays with a row for each cone.
 
     ``len(cones)`` is their number and ``cones[k]`` a `TouchingCone`.
 
@@ -188,7 +188,7 @@ def hyperosculating_cones(
     Returns
     -------
     cones : Cones
-        In design space for both models, a row a cone.
+        In design space for both models.
 
     Raises
     ------
@@ -230,21 +230,23 @@ def hyperosculating_cones(
 def _found(surface, s, t, half_angle, model):
     """Return the fields of `Cones` but the angle, of all cones at points s, t (n,)."""
     frames = adapted_frames(surface, s, t, model)
-    # In space a ratio of 0 is a curvature 0: planes that stand still, no graph in the model. The
-    # planes of a graph always turn: there it is points of contact that stand still, K infinite.
+    # The ratio |K|/|II|^2 vanishes in two cases. On a surface in space K is 0: the tangent planes
+    # stand still along some direction, so that they have no graph in the model. The planes of a
+    # graph always turn: there the points of contact stand still, and K is infinite.
     flat = frames.curvature <= FLAT
     state = np.where(flat, "flat" if model == "space" else "singular", "regular").astype("<U11")
-    # A point that isn't smooth has no curvature to speak of, so this verdict goes before.
+    # A point that isn't smooth has no meaningful curvature, so this verdict replaces the others.
     state[~frames.smooth] = "outside"
     point = np.flatnonzero(state == "regular")
     f = isotropic_jet(frames, point)
-    # What is too great for products of three derivatives counts as not defined, too.
+    # Derivatives too great for products of three count as not defined, too.
     regular = sound(f)
     state[point[~regular]] = "outside"
     point = point[regular]
     f = Jet(f.c[:, regular])
 
     # With the ruling along w and e across it, contact is of order 3 where rho f_eee + 3 f_ew = 0.
+    # Here rho is the radius of the circle over which the cone's planes lie in the adapted frame.
     rho = 0.5 / math.tan(half_angle)
     two, three, four = (frobenius(f, k) for k in (2, 3, 4))
 
@@ -254,7 +256,7 @@ def _found(surface, s, t, half_angle, model):
     angle, multiplicity = real_zeros(third_order, 3, unit=rho * three + 3 * two)
     count = np.zeros(len(s), dtype=int)
     count[point] = np.count_nonzero(multiplicity, axis=-1)
-    # The polynomial's mean over the circle is 0, so it has zeros: none means that it is 0 itself.
+    # The polynomial's mean over the circle is 0, so it has zeros; where none is found it vanishes.
     state[point[count[point] == 0]] = "spherical"
     fee = derivative_along(f, angle, 2)
     terms = [
@@ -262,8 +264,8 @@ def _found(surface, s, t, half_angle, model):
         6 * rho * derivative_along(f, angle, 2, 1),
         3 * (derivative_along(f, angle, 0, 2) - fee),
     ]
-    # All terms of Eq. 12 may vanish together: then what rounding leaves is compared with a
-    # thousandth of the forms as a whole.
+    # All terms of Eq. 12 may vanish together. What rounding leaves is then compared with a
+    # thousandth of the norms of the whole forms.
     floor = 1e-3 * (rho**2 * four + 6 * rho * three + 3 * two)[:, None]
     order4 = sum(terms) / np.maximum(sum(np.abs(term) for term in terms), floor)
 
@@ -274,18 +276,19 @@ def _found(surface, s, t, half_angle, model):
     point = point[at]
     first, second, normal = np.moveaxis(frames.axes[point], 1, 0)
     contact = frames.contact[point]
-    # The vertex is off by rho f_ee: nearer than rounding puts it, it is the contact itself.
+    # The vertex is |rho f_ee| from the contact. Where f_ee is 0 within rounding the two are one.
     side = np.where(np.abs(fee) <= 1e-12 * two[at], 0, np.sign(fee)).astype(int)
     # The ruling's line: e turned by a right angle.
     w = np.cos(angle)[:, None] * second - np.sin(angle)[:, None] * first
     vertex = contact - (rho * fee)[:, None] * w
-    # This axis belongs to a cone on the normal's side, with the vertex behind along w; on the other
-    # side both turn. A vertex in the contact has no side: it keeps the first.
+    # Where f_ee > 0 the cone is on the normal's side, and w points from the vertex to the contact:
+    # `lean` is then the axis. On the other side both are reversed. A vertex in the contact has no
+    # side: it keeps `lean`.
     lean = math.cos(half_angle) * w + math.sin(half_angle) * normal
     axis = np.where(side < 0, -1, 1)[:, None] * lean
-    # K > 0: along w, where the cone is straight, the surface bends to the cone's side, and enters.
-    # K < 0: along w it bends away; across, in the direction conjugate to w, both agree to order 3,
-    # and order 4 tells whether it enters there.
+    # Along w the cone is straight. If K > 0 the surface bends there to the cone's side, so that the
+    # cone gouges. If K < 0 it bends away; but in the direction conjugate to w the two agree to
+    # order 3, and order 4 tells whether the cone gouges there. K isn't 0 at a regular point.
     K = principal_values(f).prod(axis=-1)[at]  # of the sign of the Gaussian curvature
     gouges = (K >= 0) | (side * order4 < -_CONTAINED) | (side == 0)
     undecided = ~gouges & (np.abs(order4) <= _CONTAINED)

@@ -22,7 +22,7 @@ from .adapted import contact_point, normal
 from .functions import Centre, Function, UnitVectors, one_number
 from .jet import Jet, derivative, jet_variables
 
-_MOST = 1e60  # size of numbers; products of four over a small divisor stay finite
+_MOST = 1e60  # greatest size of numbers: products of four over a divisor 1/_MOST stay finite
 
 
 @checked
@@ -166,7 +166,7 @@ def cone_planes(vertex: Points, axis: Directions, half_angle: Angles, azimuth: A
         Constant terms, in m.
     """
     axis = axis / norm(axis)[..., None]
-    # A unit vector across: from the coordinate axis that the cone's is farthest from.
+    # A unit vector across the axis, made from the coordinate axis that is farthest from it.
     away = np.eye(3)[np.argmin(np.abs(axis), axis=-1)]
     first = np.cross(axis, away)
     first = first / norm(first)[..., None]
@@ -197,7 +197,7 @@ def plane_azimuth(axis: Directions, half_angle: Angles, n: UnitVectors):
     """
     right = np.array([0.0, np.pi / 2])
     pair, _ = cone_planes(np.zeros(3), axis[..., None, :], half_angle[..., None], right)
-    share = np.sin(half_angle) ** 2  # of the axis in the product of any two normals
+    share = np.sin(half_angle) ** 2  # what the parts along the axis add to each product
     cosine, sine = (dot(pair[..., i, :], n) - share for i in (0, 1))
     return np.arctan2(sine, cosine)
 
@@ -335,7 +335,7 @@ def cone_vertex(point: Point, centre: Centre, a: Coordinate, b: Coordinate):
     Parameters
     ----------
     point, centre, a, b : (3,) float, (2,) float, float, float
-        As in `conic`, in m.
+        As in `conic`.
 
     Returns
     -------
@@ -345,8 +345,14 @@ def cone_vertex(point: Point, centre: Centre, a: Coordinate, b: Coordinate):
     Raises
     ------
     ValueError
-        If the conic stands for a cylinder, where x^2 + y^2 + 1 + 2 u x + 2 v y = 0; if the centre
-        is the point, or a number so great that products of four aren't numbers.
+        If the conic stands for a cylinder, where x^2 + y^2 + 1 + 2 u x + 2 v y = 0; if the circle's
+        centre is the point itself; or if a number is above 1e60, so that products could overflow.
+
+    Notes
+    -----
+    By Eq. 7 with radius 0 the planes through a vertex V are the points
+    z = V3 (x^2 + y^2 - 1)/2 - V1 x - V2 y. On the circle x^2 + y^2 is linear in x and y. So the
+    conic lies in a plane, whose height at the point and whose slopes give V.
     """
     x, y, z = point
     u, v = centre
@@ -359,13 +365,14 @@ def cone_vertex(point: Point, centre: Centre, a: Coordinate, b: Coordinate):
     weight = x * x + y * y + 1 + 2 * u * x + 2 * v * y
     if weight == 0:
         raise ValueError("centre: must not be that of a cylinder, which has no vertex; got one.")
-    # The conic's slopes a and b belong to the directions across the centre's and towards it;
-    # turned into x and y they are these, times u^2 + v^2.
-    along = a * v + b * u
-    across = b * v - a * u
+    # In the conic's plane z rises by b along (u, v) and by a along (v, -u), which is across. These
+    # are its slopes along x and y, times u^2 + v^2.
+    along_x = a * v + b * u
+    along_y = b * v - a * u
+    # The terms in a y and a x stand for v along_x - u along_y, which is a (u^2 + v^2).
     vertex = [
-        (x * x - y * y - 1) * along + 2 * x * y * across - 2 * square * (u * z + x * z + a * y),
-        (y * y - x * x - 1) * across + 2 * x * y * along - 2 * square * (v * z + y * z - a * x),
-        2 * x * along + 2 * y * across - 2 * square * z,
+        (x * x - y * y - 1) * along_x + 2 * x * y * along_y - 2 * square * (u * z + x * z + a * y),
+        (y * y - x * x - 1) * along_y + 2 * x * y * along_x - 2 * square * (v * z + y * z - a * x),
+        2 * x * along_x + 2 * y * along_y - 2 * square * z,
     ]
     return np.array(vertex) / (square * weight)

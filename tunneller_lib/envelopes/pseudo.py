@@ -1,8 +1,8 @@
 """A surface with a double cone at every point that no cone envelops (Envelopes, Problem 15).
 
 It settles the document's Problem 15: Eqs 9, 11, 12 and 14 hold on all of it, and yet no conic of
-that half-angle lies in the graph. The graph in the isotropic model is one of revolution, f = g(r),
-with r the distance from the origin.
+that half-angle lies in the graph. The graph in the isotropic model is one of revolution, f = g(r):
+the distance r from the origin is a number, and g is in m.
 """
 
 import numpy as np
@@ -33,13 +33,13 @@ def pseudo_envelope(half_angle: HalfAngle, *, offset: Coordinate = 0.0):
 
     Notes
     -----
-    With a, the angle of e from the radius, the form of which Eq. 13 is one shape becomes
-    cos(a) (sin(a) - root)^2 times a factor, see `double_root`. Here
+    Let a be the angle of e from the radius. The form of Eq. 11, which Eq. 13 writes in another
+    variable, is then cos(a) (sin(a) - root)^2 times a factor, see `double_root`. Here
 
         (g'/r)' = r^-2 (C c + W)^(3/2) (c + W)^(-3/(2 C))
 
     up to a factor, with C = cos(half_angle), c = (1 - r^2)/(1 + r^2), W^2 = c^2 + C^2 - 1. A
-    constant in g or a multiple of r^2 is a shift along the axis and an offset, no more.
+    constant or a multiple of r^2 added to g only shifts the surface along its axis and offsets it.
 
     Examples
     --------
@@ -67,9 +67,10 @@ def pseudo_envelope(half_angle: HalfAngle, *, offset: Coordinate = 0.0):
 
 
 def double_root(half_angle, r):
-    """Return sin(a) of the double cones at r; it plus its inverse is (1/r - r)/tan(theta)."""
+    """Return root = sin(a) of the double cones at r: root + 1/root = (1/r - r)/tan(half_angle)."""
     tau = np.tan(half_angle)
     s = (1 - r) * (1 + r) / r
+    # The lesser of two solutions, in the form that doesn't subtract two nearly equal numbers.
     return 2 * tau / (s + np.sqrt((s - 2 * tau) * (s + 2 * tau)))
 
 
@@ -83,6 +84,7 @@ def _bend(half_angle, r):
 
 
 def _middle(half_angle):
+    """Return half the distance r at which the surface ends."""
     return np.tan(np.pi / 4 - half_angle / 2) / 2
 
 
@@ -90,8 +92,8 @@ def _integrals(half_angle, r):
     """Return the integrals of (g'/r)' and of r^2 (g'/r)' from the middle, up to the factor.
 
     With 2 r/(1 + r^2) = C sin(psi) the root W is C cos(psi), so that the integrand is smooth at
-    the surface's end, and log(tan(psi/2)) takes the pole at the origin away: 40 nodes of Gauss's
-    rule give all digits.
+    the surface's end. The variable log(tan(psi/2)) removes the pole at the origin, and 40 nodes of
+    Gauss's rule give all but the last one or two digits.
     """
     C = np.cos(half_angle)
 
@@ -112,26 +114,27 @@ def _integrals(half_angle, r):
 
 
 def _taylor(half_angle, r):
-    """Return the Taylor coefficients of g to order 5 at distances r (...), in m."""
+    """Return the six Taylor coefficients of g to order 5 at distances r (...), in m."""
     r = np.asarray(r)
     middle = _middle(half_angle)
-    # With y = g'/r, whose derivative is `_bend`, y is one integral and g, by parts, another. The
-    # factor makes the radii at the middle, p r y'/4 and its opposite, 1 m and -1 m.
+    # With y = g'/r, whose derivative is `_bend` times a factor, y is one integral and g, by parts,
+    # another, both from the middle. There y is 0 and the principal radii are g and g + p r y'/2:
+    # with g = -1 m the factor makes them -1 m and 1 m.
     factor = 4 / ((1 + middle**2) * middle * _bend(half_angle, middle))
     first, second = _integrals(half_angle, r)
     y = factor * first  # g'/r
     g = -1 + (r * r * y - factor * second) / 2
-    # From here on by the equation for the root, y'' = L y', and its derivatives. Those of the root
-    # are `slope` and `bend`.
+    # Further derivatives take no integrals: that of `_bend` is L times itself, so y'' = L y'. L
+    # holds the root, whose derivatives follow from root + 1/root = (1/r - r)/tau.
     tau = np.tan(half_angle)
     p = 1 + r * r
     root = double_root(half_angle, r)
-    slope = p * root**2 / (tau * r * r * (1 - root) * (1 + root))
+    root1 = p * root**2 / (tau * r * r * (1 - root) * (1 + root))
     L = 3 * tau * root / p - 2 / r
-    bend = 2 * (slope**2 / root - root**2 / (tau * r**3)) / ((1 - root) * (1 + root))
-    by_p = slope * p - 2 * r * root  # p^2 times the derivative of root/p
+    root2 = 2 * (root1**2 / root - root**2 / (tau * r**3)) / ((1 - root) * (1 + root))
+    by_p = root1 * p - 2 * r * root  # p^2 times the derivative of root/p
     dL = 3 * tau * by_p / p**2 + 2 / r**2
-    ddL = 3 * tau * (p * (bend * p - 2 * root) - 4 * r * by_p) / p**3 - 4 / r**3
+    ddL = 3 * tau * (p * (root2 * p - 2 * root) - 4 * r * by_p) / p**3 - 4 / r**3
     # y's derivatives, each from the one before; then g's from g' = r y, over the factorials.
     y1 = factor * _bend(half_angle, r)
     y2 = L * y1

@@ -110,19 +110,18 @@ def recognise(
 
     Notes
     -----
-    Envelopes of cones, Theorems 2, 4 and 16, Corollaries 25, 28 and 29 and their converses
-    (Problem 30), in the adapted frame. What rounding does is found by rounding at random, and
-    bounds each condition, see `evidence`. A point near
-    the parabolic curve, an umbilic or a multiple solution has wide bounds and doesn't tell. Where
-    solutions for cones are multiple everywhere Eq. 12 holds by itself (Problem 15): those count
-    only if f_ew = 0. At a point there is nearly always a cone of some half-angle that satisfies
-    all: a radius or half-angle that isn't given must be the same at all points and have the
-    gradient zero at each, see `Envelope.steadiness`; for one that is given see `given`. The
-    residual is the least over the directions that solve the lower-order conditions, over the size
-    of its terms, so that it has no unit. A developable surface counts as ruled. A surface may be
-    enveloped by cones of several angles, as those of revolution are, and in a small window two
-    angles near each other may both pass: the one that fits best is returned, and the reason names
-    the others.
+    Envelopes of cones, Theorems 2, 4 and 16, Corollaries 25, 28 and 29 and their converses (Problem
+    30), in the adapted frame. Repeated runs, each rounded at random, show what rounding does, and
+    so bound the error of each condition, see `evidence`. A point near the parabolic curve, an
+    umbilic or a multiple solution has wide bounds and doesn't tell. Where solutions for cones are
+    multiple everywhere Eq. 12 holds by itself (Problem 15): those count only if f_ew = 0. At a
+    point there is nearly always a cone of some half-angle that satisfies all: a radius or
+    half-angle that isn't given must be the same at all points and have the gradient zero at each,
+    see `Envelope.steadiness`; for one that is given see `given`. The residual is the least over the
+    directions that solve the lower-order conditions, over the size of its terms, so that it has no
+    unit. A developable surface counts as ruled. A surface may be enveloped by cones of several
+    angles, as those of revolution are, and in a small window two angles near each other may both
+    pass: the one that fits best is returned, and the reason names the others.
 
     Examples
     --------
@@ -217,7 +216,7 @@ def _judged(kind, tried, spread, residual, others=(), **size):
         if others:  # as of surfaces of revolution, or where a window is too small to tell them
             reason += f"; so they do with {', '.join(f'{other:.6g}' for other in others)}"
         return Recognition(kind, "is", f"{reason}.", residual, **size)
-    # Points at which all common solutions are multiple and don't stay, as only cones have them.
+    # Points at which all common solutions are multiple and don't stay: only cones have such.
     passing = np.count_nonzero(~evidence.agrees & evidence.several.any(axis=-1))
     if kind == "cone" and passing >= LEAST_POINTS and sum(refuted) == len(tried) - 1:
         reason = "cones fall together at every point, and those don't stay on the surface"
@@ -230,7 +229,7 @@ def _judged(kind, tried, spread, residual, others=(), **size):
 
 def _flat(rough):
     """Return the points' evidence for a Gaussian curvature 0."""
-    # The error is ten times the greatest deviation of the runs, and some roundings.
+    # The error is ten times the greatest deviation of the runs, plus a few roundings.
     every = rough.curvature.reshape(RUNS, -1)
     value = np.median(every, axis=0)
     off = 10 * np.abs(every - value).max(axis=0) + 1e-15
@@ -240,7 +239,7 @@ def _flat(rough):
 
 
 def _with(evidence, where, other):
-    """Return evidence with that of some points put in; there none of the first counts."""
+    """Return the `other` evidence for the points `where` it belongs; all other points agree."""
     refutes = np.zeros_like(evidence.refutes)
     agrees = np.ones_like(evidence.agrees)
     refutes[where] = other.refutes
@@ -318,7 +317,8 @@ def given(kind, f, runs, size):
 def _at_own_zeros(kind, runs, angle, several, size):
     """Return both conditions (RUNS n, m) at each run's own zeros of the first.
 
-    A multiple zero may vanish with another size: there it's where the first turns.
+    With another size a multiple zero may disappear: the place where the first condition turns
+    stands for it.
     """
     forms = kind.conditions(runs, runs, size)
     waves = Waves(forms.first, forms.degree)
@@ -341,68 +341,74 @@ def _middle(values):
 def searched(kind, f, runs, window, size):
     """Return the evidence for each size that one point allows, and the size found.
 
-    The point that knows its own sizes best names the candidates. For each, every point's nearest
-    size is compared with it: those that know theirs well make it sharper, and the evidence is
-    weighed with the median of those.
+    The candidates are the sizes of one point, the one that knows its own best. Each is compared
+    with the nearest size of every point. The point that knows its own most sharply gives the value
+    and the error by which points refute; the median of those known best is the size on which they
+    agree.
 
     Parameters
     ----------
     kind, f, runs : Envelope, Jet, Jet
         As of `given`.
     window : float
-        By how much the normals of the points differ.
+        By how much the unit normals of the points differ.
     size : float or None
-        The one with the least residual.
+        The one with the least residual, in m or rad; None where there is none, as on a sphere.
 
     Returns
     -------
     tried : list of Evidence
-        The best first.
+        For each candidate, the best first.
     size : float or None
-        The one that the points share, if they do.
+        The one that the points share; as given if they share none.
     others : list of float
-        Other sizes with which enough points agree.
+        Other sizes that the points share as well.
     """
     off = errors(runs)
     values, unsure, stays, complete, every = kind.sizes(f, off, runs)
     sharp = min(SHARP, SHARP_OVER_WINDOW * window)
     tried = []
     if not complete.any():
-        # A sphere has cones of every half-angle, and other surfaces of a range of them: one that
-        # was found will do. Else no point tells all its sizes.
+        # No point lists all the sizes that it allows, so the candidates can't refute the surface,
+        # and this entry refutes nothing. Where all points allow a whole range of sizes, as those of
+        # a sphere allow every half-angle, any size of the range will do for them to agree.
         found = asked(kind, f, off, np.pi / 4 if size is None else size, 0.0, sharp)
         agrees = found.agrees & every.all()
         tried.append((found._replace(refutes=np.zeros_like(agrees), agrees=agrees), size))
-    # Each size of the point that knows its own best is tried, as well as any point knows it.
+    # The candidates' point is the one whose worst known size has the least relative error, if
+    # possible among those that list all their sizes.
     width = np.where(np.isnan(values), 0.0, unsure / (np.abs(values) + (values == 0)))
     best = np.argmin(np.where(complete | ~complete.any(), width.max(axis=-1), np.inf))
-    for value, own in zip(values[best], unsure[best], strict=True):
+    for value, error in zip(values[best], unsure[best], strict=True):
         if np.isnan(value):
             continue
         # Of each point the size nearest to this one, its error, and whether both may be equal.
         apart = np.where(np.isnan(values), np.inf, np.abs(values - value))
         nearest = np.argmin(apart, axis=-1)[:, None]
-        there = np.take_along_axis(values, nearest, -1)[:, 0]
-        known = np.take_along_axis(unsure, nearest, -1)[:, 0]
-        same = np.abs(there - value) <= own + known
-        known[~same] = np.inf
-        sharpest = np.argmin(known)
-        if known[sharpest] < own:
-            value = there[sharpest]
-            own = known[sharpest]
-        evidence = asked(kind, f, off, value, own, sharp)
-        # The points agree only with one value. What they know best has more digits than bounds say.
-        shared = np.median(there[known <= np.median(known[np.isfinite(known)])])
+        theirs = np.take_along_axis(values, nearest, -1)[:, 0]
+        their_errors = np.take_along_axis(unsure, nearest, -1)[:, 0]
+        same = np.abs(theirs - value) <= error + their_errors
+        their_errors[~same] = np.inf
+        sharpest = np.argmin(their_errors)
+        if their_errors[sharpest] < error:
+            value = theirs[sharpest]
+            error = their_errors[sharpest]
+        evidence = asked(kind, f, off, value, error, sharp)
+        # All points must agree with one and the same size. The median of those known best is one
+        # that has more digits than their error bounds promise.
+        half = np.median(their_errors[np.isfinite(their_errors)])
+        shared = np.median(theirs[their_errors <= half])
         again = asked(kind, f, off, shared, SAME_SIZE * abs(shared), sharp, floor=1e-3)
-        # A point that sees the size stand still around it needs no window.
+        # A point whose derivatives show that its size doesn't change around it agrees, however
+        # small the window is.
         agrees = again.agrees | (np.take_along_axis(stays, nearest, -1)[:, 0] & same)
         tried.append((again._replace(refutes=evidence.refutes, agrees=agrees), shared))
-    if not tried:
+    if not tried:  # the point lists all the sizes that it allows, and allows none
         nothing = np.zeros(len(values), dtype=bool)
         none = np.zeros((len(values), 0))
         return [Evidence(~nothing, nothing, none, none, none.astype(bool))], size, []
     tried.sort(key=lambda found: (found[0].refutes.any(), -np.count_nonzero(found[0].agrees)))
-    passed = []  # each once
+    passed = []  # sizes on which enough points agree; those within `APART` count once
     for found, one in tried:
         enough = np.count_nonzero(found.agrees) >= LEAST_POINTS and not found.refutes.any()
         if one is None or not enough or any(abs(one - p) <= APART * abs(p) for p in passed):

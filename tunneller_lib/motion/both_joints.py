@@ -86,7 +86,7 @@ def machine_of(axes, arm):
 
 
 def least_parts(axes, tick):
-    """Return the number of steps of a tick, in s, for two `Hydraulics` that nothing pushes."""
+    """Return how many steps a `tick`, in s, needs for two `Hydraulics` that nothing pushes."""
     return parts_of(tick, tick * max(map(steps_of, axes)))
 
 
@@ -113,8 +113,8 @@ def parts_in(machine, least, rows, tick):
 def machine_tick(machine, state, openings, push, parts, tick):
     """Return both axes' states and the energies, each (5,), of a `machine` after a tick, in s.
 
-    The tick is integrated in so many `parts` by the classical Runge-Kutta method, under `openings`
-    of both valves and a `push`, a row of `Push.rows`, until an axis leaves its stroke.
+    The classical Runge-Kutta method integrates the tick in `parts` steps, until an axis leaves its
+    stroke. The `openings` are the commands of both valves, `push` is a row of `Push.rows`.
     """
     theta, phi = machine.theta, machine.phi
     h = tick / parts
@@ -141,9 +141,11 @@ def all_along(state, h, k):
 def machine_slopes(machine, state, openings, push):
     """Return the rates of change of both states and of the energies, for `machine_tick`.
 
-    The arguments `machine`, `state`, `openings` and `push` are its own.
+    The arguments `machine`, `state`, `openings` and `push` are its own. The rates of the energies
+    are powers in W, in the order of `ENERGIES`; the torques of the push are those of `Push`.
     """
     of_theta, of_phi, _ = state
+    # Of each axis: its angle, its rate, the pressures of the plus and the minus side, its spool.
     theta, v, a, b, x = of_theta
     phi, w, c, d, y = of_phi
     lift, a_slope, b_slope, x_slope, theta_stored = oil_changes(
@@ -166,16 +168,19 @@ def machine_slopes(machine, state, openings, push):
     rise = theta_lever * v
     turn = phi_lever * w
     speed = math.sqrt(rise * rise + turn * turn)
-    # The front's force is along the motion, like the damper's, and so joins it per speed.
+    # The front's force acts along the motion, like the damper's: divided by the speed, it adds to
+    # the damper.
     pressed = theta_front * v + phi_front * w
     if pressed > 0 and speed > 0:
         damper += pressed / speed
-    # The force is damper times speed; along the motion its lever is lever^2 times rate over speed.
+    # The force is damper times speed. Along the motion its lever is lever^2 times rate over speed,
+    # so that the speed cancels.
     theta_pushed = theta_torque + damper * (theta_lever * rise + speed * theta_across)
     phi_pushed = phi_torque + damper * (phi_lever * turn + speed * phi_across)
     lift -= theta_rubbed + theta_pushed
     swing -= phi_rubbed + phi_pushed
-    # A shared arm has an inertia that depends on phi; else each axis has its own load and inertia.
+    # Theta's inertia of a shared arm depends on phi. Without one each axis has its own weight and
+    # inertia.
     if machine.shared:
         theta_weight, phi_weight = weights(machine.arm, theta, phi)
         coriolis, centrifugal = couplings(machine.arm, phi, v, w)
@@ -206,9 +211,10 @@ def powers(axis, first, second, spool):
     `first` and `second` are the pressures of the plus and the minus side of an `axis`, in Pa, at a
     position of its `spool`.
     """
-    # Each land and each leak loses its flow times the pressure drop across it.
+    # Each land and each leak loses its flow times the pressure drop across it. `flows` gives those
+    # of lands and leaks together, so that the leaks are taken off again.
     inflow, outflow = flows(axis, first, second, spool)
-    past = axis.piston_leak * (first - second)
+    past = axis.piston_leak * (first - second)  # past the piston, from plus to minus
     leak = axis.valve_leak
     ps = axis.supply
     pt = axis.tank
@@ -216,7 +222,8 @@ def powers(axis, first, second, spool):
     minus_land = outflow + past - leak * (2 * second - ps - pt)
     leaks = leak * (2 * ps - first - second)
     returns = leak * (first + second - 2 * pt)
-    # An open spool joins one side to the supply and the other one to the tank.
+    # The spool joins one side to the supply and the other one to the tank. Flows out of the plus
+    # side and into the minus side are negative here.
     if spool > 0:
         drawn = plus_land
         back = minus_land
@@ -226,7 +233,7 @@ def powers(axis, first, second, spool):
         back = -plus_land
         lost = plus_land * (pt - first) + minus_land * (second - ps)
     lost += past * (first - second)
-    # Each side has a closed land to the supply and one to the tank.
+    # Each side leaks past two lands, from the supply and to the tank, whether they are open or not.
     squares = (ps - first) * (ps - first) + (ps - second) * (ps - second)
     squares += (first - pt) * (first - pt) + (second - pt) * (second - pt)
     lost += leak * squares

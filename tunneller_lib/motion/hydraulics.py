@@ -99,7 +99,7 @@ class Hydraulics:
     piston_leak : float
         Flow past the piston per pressure across it, in m^3/s/Pa.
     valve_leak : float
-        The same for each closed land; each side has two, from the supply and to the tank.
+        The same for each land, closed or open; each side has two, from the supply and to the tank.
 
     Raises
     ------

@@ -271,8 +271,8 @@ def oil_changes(axis, state, u):
 def flows(axis, first, second, spool):
     """Return the flows of oil into the plus side and out of the minus side, in m^3/s.
 
-    The oil passes the lands that a `spool` opens, the piston, and the closed lands of an `axis`;
-    `first` and `second` are the pressures of the plus and the minus side, in Pa.
+    The oil passes the two lands that a `spool` opens, and leaks past the piston and all four lands
+    of an `axis`; `first` and `second` are the pressures of the plus and the minus side, in Pa.
     """
     opened = axis.flow * spool
     # A land whose pressure drop is negative lets the oil flow backwards, by the sign of `land`.

@@ -44,7 +44,7 @@ class Sizes:
     lift_friction, swing_friction : float
         Dry friction of theta and of phi, including the seals, in N m.
     piston_leak, valve_leak : float
-        Leaks past each piston and past each closed land, in m^3/s/Pa.
+        Leaks past each piston and past each land, in m^3/s/Pa.
     pump : float
         Flow of oil from the pump to both axes together, in m^3/s.
 

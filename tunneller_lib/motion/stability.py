@@ -73,24 +73,31 @@ def resonance_limit(frequency: Quantity, damping: Quantity, lag: Quantity0 = 0.0
 def sampled_resonance_limit(frequency: Quantity, damping: Quantity, tick: Tick):
     """Return the gain limit of a resonance under a P loop with a tick in s, in 1/s.
 
-    It follows from Jury's criterion for (z - 1)(z^2 - t z + d) + Kv (b2 z^2 + b1 z + b0), with d =
-    exp(-2 zeta w T) and t the sum of the resonance's two roots: it is the least Kv at which a
-    linear or a quadratic condition fails. As the tick vanishes it becomes `resonance_limit`. The
-    `frequency` w is in rad/s, `damping` is the ratio zeta.
+    It follows from Jury's criterion for (z - 1)(z^2 - t z + d) + Kv (b2 z^2 + b1 z + b0), with
+    d = exp(-2 zeta w T) the product and t the sum of the resonance's two roots. As the tick
+    vanishes it becomes `resonance_limit`. The `frequency` w is in rad/s, `damping` is the ratio
+    zeta.
+
+    Notes
+    -----
+    Roots of z^3 + a2 z^2 + a1 z + a0 leave the unit circle at z = -1, where 1 - a2 + a1 - a0 = 0,
+    or as a pair, where 1 - a1 + a0 a2 - a0^2 = 0. The first is linear in Kv, the second quadratic;
+    the limit is the least positive Kv that solves one of them.
     """
     Ad, Bd = Resonance(1.0, frequency, damping).discrete(tick)
     t = Ad[1, 1] + Ad[2, 2]
     d = np.exp(-2 * damping * frequency * tick)
-    # The numerator follows from the first three answers to a command of one tick, multiplied by
-    # the denominator as power series in 1/z.
+    # The positions one, two and three ticks after a command of one tick begins are the first
+    # coefficients of the quotient in powers of 1/z; times the denominator they give the numerator.
     h1 = Bd[0]
     h2 = (Ad @ Bd)[0]
     h3 = (Ad @ Ad @ Bd)[0]
     b2 = h1
     b1 = h2 - (1 + t) * h1
     b0 = h3 - (1 + t) * h2 + (t + d) * h1
-    # (1 - d)(1 - t + d): for short ticks 1 - t + d cancels. The numerator's sum divided by the tick
-    # is equal to it, since the static gain is 1, and keeps its digits.
+    # This is (1 - d)(1 - t + d), where 1 - t + d would cancel for short ticks. The numerator's sum
+    # over the tick is equal to it, since the gain from command to steady rate is 1, and keeps its
+    # digits.
     constant = -np.expm1(-2 * damping * frequency * tick) * (b2 + b1 + b0) / tick
     roots = np.roots([b0 * (b2 - b0), (2 * d - 1 - t) * b0 - b1 - d * b2, constant])
     limits = [root.real for root in roots if root.imag == 0 and root.real > 0]

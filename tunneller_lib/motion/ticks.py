@@ -19,7 +19,7 @@ class Control(NamedTuple):
     """A `Loop` as plain numbers."""
 
     gain: float
-    growth: float  # of the integral a tick, over the following error
+    growth: float  # of the integral in a tick, for each radian of following error
     share: float
     count: float
     limit: float
@@ -176,10 +176,11 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
 
 
 def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
-    """Return the states and commands of both axes of one machine, and the energies (ticks + 1, 5).
+    """Return lists of the states and commands of both axes of one machine, and its energies.
 
     `plants`, `loops`, `setvalues`, `slopes` and `own_inverse` are as in `run_each`, `arm` and
-    `push` as in `follow`.
+    `push` as in `follow`. Each axis has states (ticks + 1, 5) and commands (ticks,); the energies
+    (ticks + 1, 5), in J, are `ENERGIES` since the start.
     """
     if len(plants) != 2 or not all(isinstance(one, Compressible) for one in plants):
         raise ValueError(
@@ -187,6 +188,8 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
             f"got {shown([type(one).__name__ for one in plants])}."
         )
     axes = [one.axis for one in plants]
+    # The copies are contiguous and writable, whatever the caller's arrays are, so that one compiled
+    # form suffices.
     setvalues = setvalues.copy()
     slopes = slopes.copy()
     tick = loops[0].tick
@@ -206,8 +209,8 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     least = least_parts(axes, tick)
     done = 0
     while done < ticks:
-        # Some ticks at a time: the function is asked for their push and, once they are run, whether
-        # it stands; if not, they are run again from the same states and memories.
+        # A function gives the push of some ticks. Once they are run, it may give another push, with
+        # which they are run again from the same state and memories.
         answer = push(done, None) if callable(push) else every
         state = tuple(map(tuple, states[done].reshape(3, 5).tolist()))
         remembered = memories.copy()
@@ -223,7 +226,7 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
             filled = states[done : end + 1], commands[done:end]
             given = *begun, *wanted, *pushed, *filled
             kept = _run(run_joints, given, own_inverse, commanding=spool_at)
-            if kept < len(rows):
+            if kept < len(rows):  # an axis has left its stroke
                 for axis, angle in zip(axes, states[done + kept + 1, [0, 5]], strict=True):
                     if not axis.low <= angle <= axis.high:
                         raise out_of_stroke(axis, angle)

@@ -124,10 +124,10 @@ class Face:
         turns = np.diff(way, axis=0)
         steps = np.diff(self.stepped[run])
         # The volume that the tried motion would remove, and the one that the force was for.
-        volume, area = self.wall.front(centres, self.radius)
+        volume, area, cut = self.wall.front(centres, self.radius)
         meant = self._taken(self._area, turns, steps)
         if abs(meant - volume) <= CLOSE * max(volume, HARDLY * self._most):
-            self.removed[end - 1] = self.wall.cut_path(centres, self.radius)
+            self.removed[end - 1] = cut()
             self._go_on(way[-1:])
             return None
         if self._tries == MOST_TRIES:

@@ -2,8 +2,8 @@
 
 The acceleration a along the way changes the square x = v^2 of the feed v by dx/dl = 2 a. At each
 place the joints' accelerations q' a + q'' x are linear in both, so the cutter's limit is an ellipse
-of (a, x) about the origin. A pass backwards finds the greatest x from which the rest can still be
-run; a pass forwards then goes as fast as these allow.
+about the origin in the plane of a and x. A pass backwards finds the greatest x from which the rest
+can still be run; a pass forwards then goes as fast as these allow.
 """
 
 from dataclasses import dataclass
@@ -108,7 +108,7 @@ class Limits:
         Raises
         ------
         ValueError
-            As by `bounds`.
+            As by `bounds`, or if a move is too long for the bend of the way at its beginning.
         """
         bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
         # A place belongs to the move before it and to the one after it.
@@ -203,7 +203,10 @@ def _check_shapes(moves, **arrays):
 
 
 def fastest(lengths, square, acceleration, turns):
-    """Return the squares (m + 1,) of the greatest feed from rest to rest over moves (m,), in m.
+    """Return the squares (m + 1,) of the greatest feed from rest to rest over m moves, in m^2/s^2.
+
+    The acceleration is constant over each move and within the cutter's limit at its beginning. A
+    move that is too long for that at any feed raises ValueError.
 
     Parameters
     ----------
@@ -217,7 +220,8 @@ def fastest(lengths, square, acceleration, turns):
         As of `Limits.profile`.
     """
     slope, bend, lever = turns
-    # The cutter's limit is the ellipse g11 a^2 + 2 g12 a x + g22 x^2 = acceleration^2.
+    # The cutter's limit |lever (slope a + bend x)| <= acceleration is the inside of the ellipse
+    # g11 a^2 + 2 g12 a x + g22 x^2 = acceleration^2.
     ellipse = (
         np.sum((lever * slope) ** 2, -1),
         np.sum(lever * slope * (lever * bend), -1),
@@ -225,7 +229,7 @@ def fastest(lengths, square, acceleration, turns):
     )
     g11, g12, g22 = ellipse
     with np.errstate(divide="ignore", over="ignore"):
-        # It ends at x = acceleration / sqrt(g22 - g12^2 / g11).
+        # Its greatest x is acceleration / sqrt(g22 - g12^2 / g11).
         rise = np.sqrt(np.maximum(g22 - g12**2 / g11, 0))
         top = np.minimum(square, acceleration / rise).tolist()
     ellipses = list(zip(*(part.tolist() for part in ellipse), strict=True))
@@ -239,23 +243,30 @@ def fastest(lengths, square, acceleration, turns):
         goal = top[i + 1]
         best = top[i]
         g11, g12, g22 = ellipses[i]
-        # The line x + step a = goal leaves the ellipse at the greater root of
-        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. The root counts only on the side of least
-        # a, below the middle a = -g12 x / g11 of the chord at x: above, a may still be less.
+        # With a = (goal - x) / step, which just reaches the goal, the ellipse becomes
+        # p x^2 + 2 h x + g11 goal^2 - step^2 limit = 0. Its greater root bounds x only if that a is
+        # the least that the ellipse allows at x, so less than -g12 x / g11, the middle of the two
+        # that it has there: else harder braking gets down to the goal from a greater x, too.
         p = g11 - 2 * step * g12 + step * step * g22
         h = goal * (step * g12 - g11)
         under = h * h - p * (g11 * goal * goal - step * step * limit)
-        if under >= 0:  # otherwise the line doesn't meet the ellipse, which bounds nothing here
+        if under >= 0:  # otherwise every a in the ellipse leads below the goal: no bound
             x = (sqrt(under) - h) / p if under < inf else inf
             if x < best and (goal - x) * g11 <= -g12 * x * step:
                 best = x
         top[i] = best
-    # Forwards from rest: x grows by the most that the ellipse allows, up to the first pass. Where
-    # that allows no growth the feed falls, at worst to rest.
+    # Forwards from rest: x grows by the most that the ellipse allows, up to what the first pass
+    # left. Where the ellipse allows no growth x falls. It falls below 0 only where step g12 > g11:
+    # over so long a move the way bends too much for one acceleration.
     found = [0.0]
     for i, step in enumerate(steps):
         x = found[-1]
         g11, g12, g22 = ellipses[i]
         most = (sqrt(max(g12 * g12 * x * x - g11 * (g22 * x * x - limit), 0.0)) - g12 * x) / g11
-        found.append(min(top[i + 1], max(x + step * most, 0.0)))
+        if x + step * most < 0:
+            raise ValueError(
+                f"lengths: a move must be shorter than {g11 / g12 / 2:.3g} m where the way bends "
+                f"as after move {i}; got {step / 2:.3g} m."
+            )
+        found.append(min(top[i + 1], x + step * most))
     return np.array(found)

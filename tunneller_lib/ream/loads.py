@@ -25,8 +25,8 @@ HALVES = 30  # damped steps to the torque of the ground that is removed
 def loaded_lap(plan, plant, loop, arm, ground):
     """Return the overbreak (ticks + 1,) of a lap of a `plan` under loads, in m.
 
-    Each `plant` is under its `loop`, both joints share an `arm`, and a `ground` pushes; either may
-    be None. The answer is kept, since several sources of a budget compare the same laps.
+    Each `plant` is under its `loop`. Both joints share an `arm`, and a `ground` pushes; arm and
+    ground may be None. The answer is kept, since several sources of a budget compare the same laps.
     """
     # All laps begin and end with the cutter at rest in the ground, so one stands for all.
     wanted = plan.circuit.position(plan.places)
@@ -131,7 +131,8 @@ def pushed_off(plan, plant, loop, torque):
             left = np.maximum(drive - sign * torque[:, i] / D, 1e-3 * drive)
             behind = behind + sign * forward * (np.sqrt(drive / left) - 1)
         plus, minus = axis.linkage.displacements(at[:, i])
-        # Each chamber carries half of the torque, and has three leaks: two lands and the piston.
+        # Half of the torque changes the pressure of each chamber, which leaks past two lands; the
+        # whole of it drives the leak past the piston.
         leaks = 4 * (axis.piston_leak + axis.valve_leak) / (plus + minus) ** 2
         off = off - slope[:, i] * (behind + leaks * torque[:, i]) / control.gain
     return off
@@ -172,16 +173,19 @@ def _dampers(plan, ground):
 
 
 def _answers(plan, plant, loop, ground, arm, torque):
-    """Return the complex answers (m, 2) of both joints to torques (m, 2) of the picks, in rad.
+    """Return the complex swings (m, 2) of both joints under torques (m, 2) that swing, in rad.
 
-    They are small swings about the planned motion amid a plan's moves, at s = i w of the picks. A
-    side of a cylinder with displacement D, volume V, pressure drop p at its land, flow c x sqrt(p)
-    and leaks l has the compliance C = V s / bulk + c x / (2 sqrt(p)) + l, and the joint
+    They are small swings about the planned motion amid a plan's moves, at s = i w for the angular
+    frequency w of the picks. The `torque`, in N m, is the amplitude of what swings, and also what
+    resists the planned motion steadily. A side of a cylinder with displacement D, volume V,
+    pressure drop p at its land, flow c x sqrt(p) and leaks l has the compliance
+    C = V s / bulk + c x / (2 sqrt(p)) + l, and the joint
 
         torque / angle = J s^2 + b s + sum(D^2 s / C) + G(s) sum(D c sqrt(p) / C),
 
-    where the loop G opens the spool for the rate gain e, after its delay, half a tick and the
-    spool's lag. The ground damps both joints together.
+    where the loop G opens the spool for a rate of gain times angle, after its delay, half a tick
+    and the spool's lag. The leak past the piston is taken as if the pressure of the other side
+    didn't swing. The ground couples both joints, see `_dampers`.
     """
     _, at, rates, _, _ = planned_motion(plan)
     if not ground.ripple_frequency:  # no ripple
@@ -198,11 +202,12 @@ def _answers(plan, plant, loop, ground, arm, torque):
         D, rho, load = np.where(rate > 0, forward, backward)
         sign = np.where(rate > 0, 1.0, -1.0)
         resisted = load + sign * (axis.damping * rate + torque[:, i])
-        # The supply less the load drops at both lands of the spool as the squares of their flows:
-        # rho^2 times as much at the emptied side, which acts on an area rho times as large.
+        # What the load leaves of the supply's pressure is lost at both lands of the spool, with the
+        # square of the flow: rho^2 times as much at the emptied side, whose area is rho times as
+        # large. An axis too weak for its load keeps a thousandth of the supply's pressure.
         drive = axis.supply - rho * axis.tank - resisted / D
         lost = np.maximum(drive, 1e-3 * axis.supply) / (1 + rho**3)  # at the side that is filled
-        # The opening of the planned motion, and that for each further rad/s.
+        # The share by which the planned motion opens the valve, and that for each rad/s.
         opened = np.abs(rate) * D / (axis.flow * np.sqrt(lost))
         opening = D / (axis.flow * np.sqrt(lost))
         # The loop sees the swing late, and the spool lags behind the loop.
@@ -213,7 +218,8 @@ def _answers(plan, plant, loop, ground, arm, torque):
         leaks = 2 * axis.valve_leak + axis.piston_leak
         stiff = inertias[i] * s**2 + axis.damping * s
         for displaced, volume, p in ((D, volumes[0], lost), (D * rho, volumes[1], rho**2 * lost)):
-            yields = volume * s / axis.bulk + axis.flow * opened / (2 * np.sqrt(p)) + leaks
-            stiff = stiff + displaced / yields * (displaced * s + steered * axis.flow * np.sqrt(p))
+            compliance = volume * s / axis.bulk + axis.flow * opened / (2 * np.sqrt(p)) + leaks
+            oil = displaced * s + steered * axis.flow * np.sqrt(p)  # m^3/s for each rad
+            stiff = stiff + displaced / compliance * oil
         matrix[:, i, i] += stiff
     return np.linalg.solve(matrix, torque[..., None].astype(complex))[..., 0]

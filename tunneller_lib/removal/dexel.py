@@ -1,20 +1,20 @@
 """Grids of intervals (dexels): what is left of a block or of a tunnel's wall after cuts."""
 
 import os
+from functools import partial
 
 import numpy as np
 
 from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, checked
 from ..kernels import compiled
 from ..kernels.elementwise import NUMBERS
-from ..kernels.exact import norm
 from ..surfaces.solid import Solid
-from .grid import Lines, fan, meet_moves, parallel, swept
+from .grid import Lines, ball_about, fan, meet_moves, parallel, swept
 
 GROUP = 8  # moves of a path that are cut together
 MOVE = 4e-4  # s, about what one move takes with whole arrays
 LEAN = 1e-2  # the least cosine that is taken between a line and the ball's normal
-GREATER = 2  # moves are cut together if their window has at most this times the widest one's lines
+TOGETHER = 0.5  # of the radius: moves are cut together whose ends are so near to their middle
 
 # What arguments may be, in this room and in those above it.
 Shape = Wholes("(2,) int", 1, 2**53)
@@ -157,7 +157,7 @@ class DexelGrid:
     def cut(self, solid: Solid):
         """Remove a solid and return the volume, in m^3; a ball is a round rod without length."""
         a, b, radius = solid.capsule
-        window = self.lines.windows(a[None], b[None], radius, self._nearest)[0]
+        window = self.lines.window(np.stack([a, b]), radius, self._nearest)
         removed = 0.0
         for rows, columns in self.lines.blocks(window):
             enter, leave = self.lines.meet_solid(solid, rows, columns)
@@ -182,24 +182,22 @@ class DexelGrid:
         removed : float
             The volume, in m^3.
         """
-        a, b = (centres, centres) if len(centres) == 1 else (centres[:-1], centres[1:])
-        compiled.expect(MOVE * len(a), "grid")
-        windows = self.lines.windows(a, b, radius, self._nearest).tolist()
+        if len(centres) == 1:
+            return self._take(self._met_by(centres.repeat(2, axis=0), radius))
         removed = 0.0
-        for here in range(0, len(a), GROUP):
-            moves = slice(here, here + GROUP)
-            window = self.lines.around(windows[moves])
-            if _count(window) <= GREATER * max(map(_count, windows[moves])):
-                removed += self._sweep(a[moves], b[moves], radius, window)
+        for here in range(0, len(centres) - 1, GROUP):
+            way = centres[here : here + GROUP + 1]
+            # Long moves go one after the other: most lines about all of them are met by none.
+            if ball_about(way)[1] > TOGETHER * radius:
+                for k in range(len(way) - 1):
+                    removed += self._take(self._met_by(way[k : k + 2], radius))
             else:
-                # Long moves one after the other: most lines of the window are met by none.
-                for start, end, one in zip(a[moves], b[moves], windows[moves], strict=True):
-                    removed += self._sweep(start[None], end[None], radius, one)
+                removed += self._take(self._met_by(way, radius))
         return removed
 
     @checked
     def front(self, centres: Centres, radius: Length):
-        """Return what a ball would remove along a path, and where; nothing is removed.
+        """Return what a ball would remove along a path, where, and how to have it removed.
 
         Parameters
         ----------
@@ -216,19 +214,21 @@ class DexelGrid:
             The sum of the ball's surface over all places where it would cut, each along the
             outward normal, in m^2: a further short move d removes the dot product area . d more,
             as long as it goes on cutting there.
+        cut : function
+            Called without arguments it removes this and returns the volume, in m^3; only while
+            the material is as it was.
         """
         if len(centres) < 2:
             raise ValueError(f"centres: must be at least two; got {len(centres)}.")
-        a, b = centres[:-1], centres[1:]
-        window = self.lines.around(self.lines.windows(a, b, radius, self._nearest).tolist())
         volume = 0.0
         area = np.zeros(3)
-        for i, j, enters, leaves in self._met_by(a, b, radius, window):
+        cuts = list(self._met_by(centres, radius))
+        for i, j, enters, leaves in cuts:
             # Moves that follow each other take one interval of a line together.
             for found in self._met(enters.min(axis=0), leaves.max(axis=0), i, j):
                 volume += self._shared(*found)[0]
-                area += self._facing(*found, b[-1], radius)
-        return volume, area
+                area += self._facing(*found, centres[-1], radius)
+        return volume, area, partial(self._take, cuts)
 
     def _facing(self, slot, place, enter, leave, centre, radius):
         """Return the area vector (3,), in m^2, of the part of a ball that cuts.
@@ -245,6 +245,8 @@ class DexelGrid:
             (leave, 1.0, leave < self.high[slot][place]),
             (enter, -1.0, enter > self.low[slot][place]),
         ):
+            if not within.any():  # nearly always where cuts enter, from the hollow of the tunnel
+                continue
             ends = np.stack([lines.x[i], lines.aside[j] * sin, -lines.aside[j] * cos], axis=-1)
             ends += t[:, None] * np.stack([0 * cos, cos, sin], axis=-1)
             out = ends - centre
@@ -254,29 +256,29 @@ class DexelGrid:
             area += np.sum(out * (cells / along)[:, None], axis=0)
         return area
 
-    def _sweep(self, a, b, radius, window):
-        """Remove what a ball sweeps in moves from a to b (k, 3) and return the volume."""
+    def _take(self, cuts):
+        """Remove cuts as `_met_by` yields them, and return the volume, in m^3."""
         removed = 0.0
-        for i, j, enters, leaves in self._met_by(a, b, radius, window):
+        for i, j, enters, leaves in cuts:
             for enter, leave in zip(enters, leaves, strict=True):
                 removed += self._taken(enter, leave, i, j)
         return removed
 
-    def _met_by(self, a, b, radius, window):
-        """Yield the lines i, j of a window whose material moves may reach, and their cuts.
+    def _met_by(self, centres, radius):
+        """Yield the lines i, j whose material a ball may reach on its way, and its cuts.
 
-        The moves take a ball of this radius, in m, from a to b (k, 3). Cuts are where it enters and
-        leaves these lines: one row for all moves together, or one for each.
+        The ball, of this radius, in m, moves from centre to centre (k + 1, 3). Cuts are where it
+        enters and leaves these lines: one row for all moves together, or one for each.
         """
         # Most lines of the window were cut as far as this by earlier moves. One ball about all
         # these moves, larger by more than its rounding, tells which lines have material in reach,
         # and only those are compared with the moves one by one.
-        middle = (a[0] + b[-1]) / 2
-        away = norm(np.concatenate([a, b]) - middle).max()
+        middle, away = ball_about(centres)
         about = (radius + away) * (1 + 1e-9)
+        compiled.expect(MOVE * (len(centres) - 1), "grid")
         met = self._moves_one_by_one if compiled.ready("grid") else self._moves_at_once
-        for rows, columns in self.lines.blocks(window):
-            yield met(a, b, radius, middle, about, rows, columns)
+        for window in self.lines.blocks(self.lines.window(centres, radius, self._nearest)):
+            yield met(centres[:-1], centres[1:], radius, middle, about, *window)
 
     def _moves_at_once(self, a, b, radius, middle, about, rows, columns):
         """Return what `_met_by` yields of one window, by whole arrays.
@@ -377,12 +379,6 @@ class DexelGrid:
         slot = np.argmax(free, axis=0)
         self.low[(slot, *place)] = low
         self.high[(slot, *place)] = high
-
-
-def _count(window):
-    """Return how many lines there are in a window of four ints."""
-    first, last, start, stop = window
-    return max(last - first, 0) * max(stop - start, 0)
 
 
 def _on_lines(name, sides, shape):

@@ -1,5 +1,6 @@
 """The lines of a grid of intervals: parallel, or rays from the tunnel's axis."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -39,13 +40,13 @@ class Lines(NamedTuple):
         """Return the volume of intervals from `low` to `high`, in m^3."""
         return self.cell * (high - low) * ((high + low) / 2 if self.rays else 1.0)
 
-    def windows(self, a, b, radius, nearest):
-        """Return the lines that sweeps of balls may meet, as first and past-the-last indices.
+    def window(self, points, radius, nearest):
+        """Return the lines that balls may meet which go from point to point.
 
         Parameters
         ----------
-        a, b : (k, 3) float
-            Ends of the sweeps, in m.
+        points : (k, 3) float
+            Their centres, in m.
         radius : float
             Of the balls, in m.
         nearest : (m,) float
@@ -53,47 +54,44 @@ class Lines(NamedTuple):
 
         Returns
         -------
-        windows : (k, 4) int
+        window : tuple of four int
             From and to in x, from and to among the lines, which on rays may go round.
         """
         if self.rays:
-            return self._windows_of_rays(a, b, radius, nearest)
-        low = np.minimum(a, b) - radius
-        high = np.maximum(a, b) + radius
-        rows = _range(self.x, low[:, 0], high[:, 0])
-        columns = _range(self.aside, low[:, 1], high[:, 1])
-        return np.stack([*rows, *columns], axis=-1)
+            return self._window_of_rays(points, radius, nearest)
+        low = points.min(axis=0) - radius
+        high = points.max(axis=0) + radius
+        return *_range(self.x, low[0], high[0]), *_range(self.aside, low[1], high[1])
 
-    def _windows_of_rays(self, a, b, radius, nearest):
-        """Return `windows` on rays: a range of places along x and of angles for each sweep.
+    def _window_of_rays(self, points, radius, nearest):
+        """Return `window` on rays: a range of places along x and one of angles.
 
-        The angles are first those at which rays meet a ball about the sweep, then only those at
-        which the ball reaches material; the places are those where it does.
+        The angles are first those at which rays meet one ball about all balls, then only those at
+        which that ball reaches beyond the nearest material on these rays; so are the places.
         """
-        # A ball about each sweep stands for it, since the steps of a path are short.
-        centre = (a + b) / 2
-        reach = radius + norm(b - a) / 2
-        off = np.hypot(*centre.T[1:])
-        angle = np.arctan2(centre[:, 2], centre[:, 1])
-        # Rays that touch a ball beside the axis; one that holds the axis is met all round.
-        beside = off > reach
-        sine = np.where(beside, reach, 0) / np.where(beside, off, 1)
-        half = np.where(beside, np.arcsin(sine), np.pi)
-        # Up to the nearest material on these rays there is nothing to cut, so that only the part
-        # of the ball beyond counts.
+        # One ball stands for all, since the steps of a path are short.
+        middle, away = ball_about(points)
+        reach = radius + away
+        x, y, z = middle.tolist()
+        off = math.hypot(y, z)
+        angle = math.atan2(z, y)
+        # Rays touch a ball beside the axis at angles of -+ half; all rays meet one that holds it.
+        half = math.asin(reach / off) if off > reach else math.pi
+        # Nearer to the axis than the nearest material on these rays there is nothing to cut, so
+        # only the part of the ball beyond counts.
         inner = _least(nearest, *self._turn(angle, half))
-        # Its angle is where the ball's surface is as far from the axis as the material, by the
-        # law of cosines; nearer than where the rays touch the ball they stay its bounds.
-        chord = inner**2 + off**2 - reach**2
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            cos = np.minimum(np.maximum(chord / (2 * off * inner), -1.0), 1.0)
-        narrow = (inner**2 > off**2 - reach**2) & (off > 0) & (inner > 0) & np.isfinite(inner)
-        half = np.where(narrow, np.arccos(np.where(narrow, cos, 1)), half)
-        # Along x the ball is narrower there, too, or isn't there at all: then an empty range.
-        width = np.sqrt(np.maximum(reach**2 - np.maximum(inner - off, 0) ** 2, 0))
-        width = np.where(inner - off > reach, -1.0, width)
-        rows = _range(self.x, centre[:, 0] - width, centre[:, 0] + width)
-        return np.stack([*rows, *self._turn(angle, half)], axis=-1)
+        beyond = inner - off
+        if beyond > reach:
+            return 0, 0, 0, 0
+        # That part ends at the angles where the ball's surface is as far from the axis as the
+        # material, by the law of cosines. If the material begins nearer than the places where the
+        # rays touch the ball, those places are in that part, and the touching rays bound it.
+        cosine_law = inner**2 + off**2 - reach**2  # 2 off inner cos(half)
+        if inner**2 > off**2 - reach**2 and off > 0 and inner > 0:
+            half = math.acos(min(max(cosine_law / off / inner / 2, -1.0), 1.0))
+        # That part is also narrower along x than the ball.
+        width = math.sqrt(max(reach**2 - max(beyond, 0.0) ** 2, 0.0))
+        return *_range(self.x, x - width, x + width), *self._turn(angle, half)
 
     def blocks(self, window):
         """Yield slices of rows and columns that cover a window, of at most `BLOCK` lines each."""
@@ -116,9 +114,9 @@ class Lines(NamedTuple):
         """
         step = 2 * np.pi / len(self.cos)
         # The rays are in the middles of their cells, and rounding must lose none at the ends.
-        start = np.ceil((angle - half) / step - 0.5 - 1e-9).astype(int)
-        stop = np.floor((angle + half) / step - 0.5 + 1e-9).astype(int) + 1
-        return start, np.minimum(stop, start + len(self.cos))
+        start = math.ceil((angle - half) / step - 0.5 - 1e-9)
+        stop = math.floor((angle + half) / step - 0.5 + 1e-9) + 1
+        return start, min(stop, start + len(self.cos))
 
     def seen(self, a, b, columns):
         """Return axes in the coordinates of the lines, whatever their plane, for `across`.
@@ -168,7 +166,7 @@ class Lines(NamedTuple):
             The window. A line that misses gets an empty interval.
         """
         cos, sin, aside = self.cos[columns], self.sin[columns], self.aside[columns]
-        # Each line's point next to the axis y = z = 0.
+        # Each line's point nearest to the axis y = z = 0.
         points = np.empty((len(self.x[rows]), len(cos), 3))
         points[..., 0] = self.x[rows, None]
         points[..., 1] = aside * sin
@@ -192,27 +190,18 @@ class Lines(NamedTuple):
         sin = self.sin[columns]
         return met_ball(self.x[rows, None], self.aside[columns], cos, sin, centre, radius)
 
-    def around(self, windows):
-        """Return the smallest window, four ints, that holds all of a list of `windows`."""
-        filled = [one for one in windows if one[0] < one[1] and one[2] < one[3]]
-        if not filled:
-            return 0, 0, 0, 0
-        first, last, start, stop = zip(*filled, strict=True)
-        if self.rays:  # the ranges are turned until they lie on the same round
-            count = len(self.cos)
-            half = count // 2
-            shift = [(s - start[0] + half) % count - half + start[0] - s for s in start]
-            start = [s + by for s, by in zip(start, shift, strict=True)]
-            least = min(start) + count
-            stop = [min(s + by, least) for s, by in zip(stop, shift, strict=True)]
-        return min(first), max(last), min(start), max(stop)
+
+def ball_about(points):
+    """Return the middle (3,) of points (k, 3) along a way, and how far they are at most from it."""
+    middle = (points[0] + points[-1]) / 2
+    return middle, float(norm(points - middle).max())
 
 
 def met_ball(x, aside, cos, sin, centre, radius):
     """Return where lines enter and leave a ball of a centre (x, y, z) and a radius, in m.
 
-    Numbers or arrays: x, `aside`, `cos` and `sin` of `Lines`. Both are in the middle where a line
-    misses.
+    Numbers or arrays: x, `aside`, `cos` and `sin` of `Lines`. A line that misses enters and leaves
+    where it is nearest to the centre.
     """
     cx, cy, cz = centre
     off = x - cx
@@ -269,25 +258,22 @@ def _middles(low, high, n):
 
 def _range(values, low, high):
     """Return the first and past-the-last indices of ascending values from low to high."""
-    return np.searchsorted(values, low), np.searchsorted(values, high, side="right")
+    return int(values.searchsorted(low)), int(values.searchsorted(high, side="right"))
 
 
 def _least(values, first, last):
-    """Return the least of `values` in each range, which may go round; infinite in an empty one."""
-    count = len(values)
-    filled = first < last
-    begin = np.where(filled, first % count, 2 * count)
-    end = np.where(filled, begin + last - first, 2 * count)
-    twice = np.concatenate([values, values, [np.inf]])
-    # Every other answer is of what is between two ranges.
-    return np.minimum.reduceat(twice, np.stack([begin, end], axis=-1).ravel())[::2]
+    """Return the least of `values` in a range, which may go round; infinite in an empty one."""
+    return float(values.take(range(first, last), mode="wrap").min(initial=np.inf))
 
 
 # ---- the same line by line, for `compiled.call`: the bits are those of the formulas above ------
 
 
 def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, enter, leave):
-    """Fill in which lines have material in a ball's reach, and where moves within it meet them.
+    """Fill in which lines have material in a ball, and where moves within the ball meet them.
+
+    A line that misses the ball counts as well if its point nearest to the ball lies in material;
+    it gets empty intervals.
 
     Parameters
     ----------
@@ -304,16 +290,17 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
     seen : tuple of (l, 1, count) float
         The axes of l moves as `Lines.seen` from these lines.
     rows, columns : (size,) int
-        Filled with which lines these are.
+        Filled with the indices of these lines; size is at least the number of lines in the window.
     enter, leave : (1 + l, size) float
-        Filled with where each move enters and leaves them, and in row 0 all moves together.
+        Filled with where the moves enter and leave them, in m: in row 0 the least interval that
+        holds those of all moves, then a row for each move.
 
     Returns
     -------
     found : int
         How many lines there are.
     apart : bool
-        Whether some move takes an interval that doesn't overlap with those before it.
+        Whether some move's interval on a line is apart from that which holds those before it.
     """
     x, cos, sin, aside = lines
     top, bottom, left, right = window
@@ -332,7 +319,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         reached[:] = False
         for slot in range(len(low)):
             _reach_row(low[slot, i, left:right], high[slot, i, left:right], near, far, reached)
-        # The moves are met from the first to the last line of the row that is reached, no farther.
+        # The moves are met only from the first to the last line of the row that is reached.
         begin = 0
         while begin < width and not reached[begin]:
             begin += 1
@@ -347,7 +334,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
         for j in range(begin, end):
             if not reached[j]:
                 continue
-            # The union of the moves' intervals, which is one interval unless some are apart.
+            # The union of the moves' intervals is itself an interval unless some are apart.
             first = np.inf
             last = -np.inf
             for k in range(len(firsts)):
@@ -367,7 +354,7 @@ def meet_moves(low, high, lines, window, ball, radius, seen, rows, columns, ente
     return found, apart
 
 
-# Each a loop without branches over lines side by side: the compiler takes several at once.
+# Each is a loop without branches over neighbouring lines: the compiler takes several at once.
 
 
 def _meet_row_with_ball(x, aside, cos, sin, ball, near, far):
@@ -378,7 +365,7 @@ def _meet_row_with_ball(x, aside, cos, sin, ball, near, far):
 
 
 def _reach_row(low, high, near, far, reached):
-    """Note which intervals of a row reach between two places, all in m."""
+    """Note on which lines of a row the material overlaps the interval from near to far, in m."""
     for j in range(len(near)):
         reached[j] |= (near[j] < high[j]) & (far[j] > low[j]) & (low[j] < high[j])
 
