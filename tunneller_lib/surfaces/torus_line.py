@@ -8,12 +8,6 @@ from ..kernels.exact import cross, dot, norm
 CONTACT = 8 * np.finfo(float).eps
 
 
-def check_differ(a, b):
-    """Raise ValueError where the two points (..., 3) of a line coincide."""
-    if np.any(np.all(a == b, axis=-1)):
-        raise ValueError("a, b: must differ, or there is no line; got a pair that coincides.")
-
-
 def meet(torus, a, b):
     """Return the parameters (..., 4) of `Torus.meet_line`, ascending and NaN-padded.
 
