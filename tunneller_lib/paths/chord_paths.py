@@ -221,6 +221,7 @@ def _normal(torus, m):
 def _depth(torus, m):
     """Return how deep points lie below the tube's surface, negative outside of it."""
     x, y, z = np.moveaxis(m, -1, 0)
+    # rho - r to its last digits: near the ring circle a plain difference would lose them.
     return torus.R - np.hypot(radius_and_excess(x, z, torus.r)[1], y)
 
 

@@ -116,6 +116,7 @@ class Circuit:
         """Return the machine's axes in the tunnel's frame, as the columns of a matrix (3, 3)."""
         c, s = np.cos(self.pitch), np.sin(self.pitch)
         cy, sy = np.cos(self.yaw), np.sin(self.yaw)
+        # The pitch turns about the machine's y axis first, then the yaw about the tunnel's z axis.
         return np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
 
     @checked
@@ -241,6 +242,7 @@ class Circuit:
         up = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1)
         left = np.array([0.0, 1.0, 0.0])
         c, s = np.cos(phi)[..., None], np.sin(phi)[..., None]
+        # At phi = 0 the arm lies along `level`, and phi turns it to the left, about `up`.
         return self.axes @ np.stack([c * level + s * left, c * left - s * level, up], axis=-1)
 
     @checked

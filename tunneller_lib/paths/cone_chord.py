@@ -66,6 +66,7 @@ class ConeChord:
     @property
     def turn(self):
         """Return the azimuth of Q, the shorter way round, in rad (the document's Theta_f)."""
+        # Without the nearest whole number of turns the shorter way round is left.
         return 2 * np.pi * (self.f - np.round(self.f))
 
     @property

@@ -328,7 +328,8 @@ def panel_rule():
     pairs = [[sine_cosine(angle) for angle in row] for row in angles.tolist()]
     sines, cosines = np.moveaxis(np.array(pairs), -1, 0)
     series = 2 / TERMS * sines * sines[:, :1] / j
-    series[:, -1] /= 2  # for the last term the value has no term behind that would be taken off
+    # Nothing is taken off the last term; what the product above takes off doubles it at the nodes.
+    series[:, -1] /= 2
     begin = np.sum(np.where(j % 2, series, -series), axis=1, keepdims=True)
     return (1 + cosines[:, 0]) / 2, np.concatenate([begin, series], axis=1)
 
@@ -506,8 +507,8 @@ def begun_at(orbit, start, count, edges, series):
 def point_on(orbit, start, begun, s, count, edges, series):
     """Return by how much theta has grown, phi and the azimuth, in rad, of the point at s.
 
-    Half swings are taken off the arc length from t = 0 as whole numbers. What remains, at most a
-    half of one, before or behind t = 0, lies on one panel, whose series is solved for the place.
+    Whole half swings are taken off the arc length from t = 0. What remains, at most half of one to
+    either side of t = 0, ends on one panel, whose series is solved for the place.
 
     Parameters
     ----------

@@ -668,7 +668,7 @@ def _answers(work, kind, classes, seconds, torus, p, q):
         As of `geodesic_inverse`.
     """
     check_ratio(torus)
-    # In a unit near R no product of sizes leaves the floats, and a power of two rounds nothing.
+    # In a unit near R products of sizes stay within the floats; a power of two rounds nothing.
     unit = math.ldexp(1.0, math.frexp(torus.R)[1] - 1)
     size = Radii(float(torus.r / unit), float(torus.R / unit))
     ends = turn_and_ends(p, q)

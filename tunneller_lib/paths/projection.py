@@ -131,6 +131,7 @@ def _where_run(series, run):
     """
     arc = legendre.legint(series, lbnd=-1)
     # The first guess is the place at an even speed.
+    # The integral over a panel is twice the first Legendre term, the mean.
     whole = 2 * series[0][:, None]
     x = 2 * run / np.where(whole > 0, whole, 1) - 1
     low, high = np.full(run.shape, -1.0), np.full(run.shape, 1.0)
@@ -138,6 +139,7 @@ def _where_run(series, run):
         left = run - _series(x, arc)
         if np.all(np.abs(left) <= 1e-15 * whole):
             break
+        # The arc only grows with x: what is left of it says on which side the root lies.
         low, high = np.where(left > 0, x, low), np.where(left < 0, x, high)
         speed = _series(x, series)
         # Newton's step where it stays in the bracket, else the bracket's middle.
