@@ -5,16 +5,22 @@ stands the same main program, which reads the inputs of a scan and writes its ou
 """
 
 import resource
+import shutil
 import struct
 import subprocess
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
+from tunneller_lib.job import read_job
 from tunneller_lib.job.controller import program
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 
+REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
+COMPILER = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
 SANITIZERS = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
 # The sanitizer of addresses reserves terabytes of them.
 if resource.getrlimit(resource.RLIMIT_AS)[0] == resource.RLIM_INFINITY:
@@ -173,6 +179,12 @@ def moved(run):
         np.concatenate([first, *(one.setvalues[1:] for one in runs)]),
         np.concatenate([one.slopes for one in runs]),
     )
+
+
+def job_with(job=None, /, **tables):
+    """Return a job, the reference job unless told, with some keys of its tables changed."""
+    job = job or read_job(REFERENCE_JOB)
+    return replace(job, **{name: getattr(job, name) | keys for name, keys in tables.items()})
 
 
 def with_program(wanted):

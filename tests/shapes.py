@@ -1,12 +1,13 @@
 """What the tests share: shapes at hard proportions, hypothesis strategies, exact arithmetic."""
 
+import math
 from fractions import Fraction
 
 import numpy as np
 from hypothesis import strategies as st
 
 from tunneller_lib.paths import geodesic_root
-from tunneller_lib.surfaces import Torus
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 EPS = np.finfo(float).eps
 
@@ -21,6 +22,16 @@ TORI = (
 )
 
 
+# theta and phi at the machine's joint limits.
+LOW = REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min
+HIGH = REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max
+
+
+def joint_pairs(n, seed=0):
+    """Return random pairs of positions (2, n, 2) within the machine's joint limits."""
+    return np.random.default_rng(seed).uniform(LOW, HIGH, (2, n, 2))
+
+
 def log_uniform(low, high):
     """Return a strategy of floats whose logarithm is spread evenly."""
     return st.floats(np.log(low), np.log(high)).map(lambda x: float(np.exp(x)))
@@ -29,6 +40,18 @@ def log_uniform(low, high):
 tori = st.builds(
     lambda size, ratio: Torus(size, size * ratio), log_uniform(1e-3, 1e6), log_uniform(0.2, 1e4)
 )
+
+
+def ends_at_limits(torus):
+    """Return ends p, q (n, 2): near the outer equator, near nodes or the inner equator, level."""
+    rim = math.acos(max(-torus.r / torus.R, -1))
+    a = np.array([0, 1e-300, 1e-30, 1e-9, 0.3, *(rim - np.array([0.5, 1e-2, 1e-4, 1e-9]))])
+    conjugate = math.pi / math.sqrt(1 + torus.r / torus.R)
+    beside = conjugate * (1 + np.array([-1e-9, 1e-9]))
+    turn = np.array([0, 5e-324, 1e-17, 1e-9, 1, *beside, 2.8, math.pi - 1e-9, math.pi])
+    a, b, turn = np.meshgrid(a, [*a, *-a[1:]], turn)
+    p, q = np.stack([0 * a, a], axis=-1), np.stack([turn, b], axis=-1)
+    return p.reshape(-1, 2), q.reshape(-1, 2)
 
 
 def ways_of(family, torus, a, b, unknowns, nodes=96):

@@ -10,26 +10,23 @@ from tunneller_lib.envelopes.adapted import model_jet
 from tunneller_lib.envelopes.isotropic import cone_planes, normal, plane_to_point
 
 x, y, u, v, t, g, tan = sp.symbols("x y u v t g tan", real=True)
-f = sp.Function("f")(x, y)
 p, W = 1 + x**2 + y**2, 1 + x**2 + y**2 + 2 * x * u + 2 * y * v
 ANGLE, SMALL = np.radians(30), np.radians(20)
 
 
-def d(*order):
-    """Return a partial derivative of f."""
-    return f.diff(*order)
+# The graph's derivatives: those of a jet, and with those of order 5.
+ORDERS = [(i, j) for i in range(6) for j in range(6 - i)]
+EVERY = {(i, j): sp.Symbol(f"f{'x' * i}{'y' * j}", real=True) for i, j in ORDERS}
+NAMES = {order: symbol for order, symbol in EVERY.items() if sum(order) < 5}
 
 
-# The graph's derivatives as plain symbols, for polynomial identities.
-NAMES = {(i, j): sp.Symbol(f"f{'x' * i}{'y' * j}") for i in range(5) for j in range(5 - i)}
-PLAIN = {d(*([(x, i)] if i else []), *([(y, j)] if j else [])): s
-         for (i, j), s in sorted(NAMES.items(), reverse=True) if i + j}  # fmt: skip
-
-
-def plain(expression):
-    for derivative, symbol in sorted(PLAIN.items(), key=lambda pair: -len(str(pair[1]))):
-        expression = expression.subs(derivative, symbol)
-    return sp.expand(expression)
+def D(way, expression):
+    """Return the derivative of an expression in x, y and derivatives of f along a fixed way."""
+    moved = way[0] * expression.diff(x) + way[1] * expression.diff(y)
+    for (i, j), symbol in EVERY.items():
+        if symbol in expression.free_symbols:
+            moved += expression.diff(symbol) * (way[0] * EVERY[i + 1, j] + way[1] * EVERY[i, j + 1])
+    return moved
 
 
 def jet_of(graph):
@@ -105,6 +102,12 @@ def intrinsic_radius(points):
 
 def cone_points(vertex, axis, half_angle, n=9):
     return plane_to_point(*cone_planes(vertex, axis, half_angle, 2 * np.pi * np.arange(n) / n))
+
+
+def conic_of(cones, k, n=9):
+    """Return points of the planes of a found cone, and the centre of the circle below them."""
+    points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], cones.half_angle, n)
+    return points, circle_centre(points)
 
 
 CUBIC = F("xxx") * u**3 + 3 * F("xxy") * u**2 * v + 3 * F("xyy") * u * v**2 + F("yyy") * v**3

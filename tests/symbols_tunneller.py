@@ -59,11 +59,14 @@ def vanishes_at_feet(equation):
     return True
 
 
-def eq11_printed():
+def eq11(mended=False):
+    """Return the parts of Eq. 11 by their names, as printed or with its slips mended."""
+    s, second = m1**2 + m3**2, m2 if mended else m3
+    last = r**2 - R**2 if mended else r**2 + R**2
     nu4 = (
         r**4 + (m3**2 - 2 * r**2) * m3**2
         + (2 * (m3**2 + r**2) + m2**2) * m2**2
-        + (2 * (m3**2 + m3**2 - r**2) + m1**2) * m1**2
+        + (2 * (second**2 + m3**2 - r**2) + m1**2) * m1**2
     )  # fmt: skip
     nu2 = (
         (r**2 + R**2) * (r**4 + (m3**2 - 2 * r**2) * m3**2)
@@ -71,41 +74,20 @@ def eq11_printed():
         + ((r**2 + R**2) * (2 * m3**2 + m1**2 - 2 * r**2) + (2 * r**2 + R**2) * m2**2) * m1**2
     )
     nu0 = (
-        (r**2 - R**2) * (r**2 + R**2) * (r**4 + (m3**2 - 2 * r**2) * m3**2) * m3**2
+        (r**2 - R**2) * last * (r**4 + (m3**2 - 2 * r**2) * m3**2) * (1 if mended else m3**2)
         + r**2 * (2 * (r**2 - R**2) * (r**2 + m3**2) + r**2 * m2**2) * m2**2
-        + (r**2 - R**2)
-        * ((r**2 + R**2) * (-2 * r**2 + 2 * m3**2 + m1**2) + 2 * r**2 * m2**2) * m1**2
-    )  # fmt: skip
-    N4 = m1**4 * (m1**2 + m3**2) * nu4
-    N2 = -2 * m1**6 * (m1**2 + m3**2) * nu2
-    N1 = 8 * r**2 * R**2 * (m1**2 + m3**2) * m1**7 * m2**2
-    N0 = m1**8 * nu0
-    return {"nu4": nu4, "nu2": nu2, "nu0": nu0, "N4": N4, "N3": sp.Integer(0), "N2": N2,
-            "N1": N1, "N0": N0}  # fmt: skip
+        + (r**2 - R**2) * (last * (-2 * r**2 + 2 * m3**2 + m1**2) + 2 * r**2 * m2**2) * m1**2
+    )
+    N4, N2 = m1**4 * s ** (2 if mended else 1) * nu4, -2 * m1**6 * s * nu2
+    N1, N0 = 8 * r**2 * R**2 * s * m1**7 * m2**2, m1**8 * nu0
+    return {"nu4": nu4, "nu2": nu2, "nu0": nu0,
+            "N4": N4, "N3": sp.Integer(0), "N2": N2, "N1": N1, "N0": N0}  # fmt: skip
 
 
-def eq11_corrected(m1_power=4):
-    """Return Eq. 10 with all corrections to Eq. 11, over the given power of the factor m1."""
-    printed = eq11_printed()
-    nu4, nu0 = eq11_corrected_nu()
-    s = m1**2 + m3**2
-    quartic = s**2 * nu4 * n1**4 + (printed["N2"] * n1**2 + printed["N1"] * n1) / m1**4
-    return sp.expand(m1**m1_power * (quartic + m1**4 * nu0))
-
-
-def eq11_corrected_nu():
-    nu4 = (
-        r**4 + (m3**2 - 2 * r**2) * m3**2
-        + (2 * (m3**2 + r**2) + m2**2) * m2**2
-        + (2 * (m2**2 + m3**2 - r**2) + m1**2) * m1**2
-    )  # fmt: skip
-    nu0 = (
-        (r**2 - R**2) ** 2 * (r**4 + (m3**2 - 2 * r**2) * m3**2)
-        + r**2 * (2 * (r**2 - R**2) * (r**2 + m3**2) + r**2 * m2**2) * m2**2
-        + (r**2 - R**2)
-        * ((r**2 - R**2) * (-2 * r**2 + 2 * m3**2 + m1**2) + 2 * r**2 * m2**2) * m1**2
-    )  # fmt: skip
-    return nu4, nu0
+def eq10(mended=True):
+    """Return Eq. 10 with Eq. 11 put in, without the factor m1^4."""
+    parts = eq11(mended)
+    return sp.expand(sum(parts[f"N{p}"] * n1**p for p in range(5)) / m1**4)
 
 
 EQ13 = n1**2 + n2**2 - k * n3**2

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.controllers import job_with
 from tunneller_lib.job import read_job
 from tunneller_lib.job.remedies import changed, halved_by
 from tunneller_lib.motion import (
@@ -25,7 +26,7 @@ from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Case, Limits, Pose, budget, halving, plan, starved, trailing
 from tunneller_lib.ream.error_budget import Fault
-from tunneller_lib.ream.sensitivity import geodesic_bend, gradient, joint_bend, rounding_passed
+from tunneller_lib.ream.sensitivity import gradient, joint_bend, rounding_passed
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 READS = ["notebooks/reference.toml"]
@@ -74,11 +75,6 @@ def test_each_source_of_a_plan_alone_leaves_its_closed_form(circuit, source, opt
     assert fault.along == (source == "feed ripple")
     if source == "knots":
         assert fault.under > fault.over  # chords keep inside
-    if source == "corners":
-        assert fault.closed <= options["tolerance"] / 2 * 1.01
-    if source == "feed ripple":  # a move of N ticks has at most 1/N of the acceleration
-        ticks = job(circuit, **options).ticks[:-1].max()
-        assert fault.closed <= options["acceleration"] / 8 * 0.005**2 * ticks
 
 
 @pytest.mark.parametrize("tolerance", [3e-3, 1e-3, 2e-4])
@@ -267,16 +263,6 @@ def test_gradient_and_bend_against_differences_of_the_overbreak(circuit):
         np.testing.assert_allclose(found[away], bend[away], atol=2e-3)
 
 
-def test_geodesic_bend_of_a_great_torus_is_the_sections_curvature():
-    flat = replace(REFERENCE_MACHINE, r=1e-9, R=500.0, height=0.0)
-    circuit = cutting_circuit(flat, Egg(0.5))
-    s = np.linspace(0.01, circuit.profile.perimeter - 0.01, 40)
-    normal = circuit.profile.normal(s)
-    along = np.stack([np.zeros_like(s), -normal[:, 1], normal[:, 0]], axis=-1)
-    found = geodesic_bend(circuit, s, circuit.position(s), along)
-    np.testing.assert_allclose(found, circuit.profile.curvature(s), atol=0.02)
-
-
 # What halves a fault
 
 ODD = Fault("odd", "machine", np.array([0.0, 2e-3]), None, remedies=(("this", 0.5), ("that", 0.5)))
@@ -309,13 +295,10 @@ def test_a_remedy_is_what_a_run_confirms_and_says_what_is_left(powers, found, ru
 
 def test_each_key_that_cut_says_does_to_the_job_what_it_says():
     """By the job with the key changed, planned and run anew."""
-    job = read_job(REFERENCE)
-    job = replace(
-        job,
-        controller={**job.controller, "plant": "T1", "gain": 8.0, "feedforward": 0.5,
-                    "encoder": np.radians(0.02)},
-        limits={**job.limits, "feed": 0.06},
-        pose={"y": 1e-3, "roll": np.radians(0.1)},
+    job = job_with(
+        read_job(REFERENCE),
+        controller={"plant": "T1", "gain": 8.0, "feedforward": 0.5, "encoder": np.radians(0.02)},
+        limits={"feed": 0.06}, pose={"y": 1e-3, "roll": np.radians(0.1)},
     )  # fmt: skip
 
     def case(job):
@@ -333,7 +316,7 @@ def test_each_key_that_cut_says_does_to_the_job_what_it_says():
         table, name = re.fullmatch(r"\[(\w+)\] ?(\w*)", key).groups()
         keys = getattr(job, table)
         scaled = {one: factor * keys[one] for one in ([name] if name else keys)}
-        after = case(replace(job, **{table: {**keys, **scaled}})).fault(fault.source)
+        after = case(job_with(job, **{table: scaled})).fault(fault.source)
         assert 0.4 <= left <= 0.6
         assert after.measured == pytest.approx(left * fault.measured, rel=1e-3), fault.source
 
@@ -341,8 +324,7 @@ def test_each_key_that_cut_says_does_to_the_job_what_it_says():
 def test_no_key_is_named_that_a_job_lacks():
     job = read_job(REFERENCE)
     assert changed(job, "power", 0.5).limits["power"] == 1.5e3
-    del job.limits["power"]
-    assert changed(job, "power", 0.5) is None
     assert changed(job, "encoder", 0.5).plan["count"] == job.plan["count"] / 2
-    del job.plan["step"]
+    del job.limits["power"], job.plan["step"]
+    assert changed(job, "power", 0.5) is None
     assert changed(job, "step", 0.5).plan["step"] == 2.5e-3  # half of what a plan takes unless told

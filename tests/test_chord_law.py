@@ -1,28 +1,22 @@
 """The law of the tangent-sphere path's error for chords of any length."""
 
-import csv
-
 import numpy as np
 import pytest
 from mpmath import mp
 from scipy.optimize import brentq, minimize
 
-from tests.references import short_chords
+from tests.references import short_chords, tables
+from tests.shapes import joint_pairs
 from tunneller_lib.paths import CHORD_PATHS, ChordLaw, geodesic_inverse, path_length
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 READS = ["tests/references/*"]
 
 MACHINE = REFERENCE_MACHINE
-LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
 CORNERS = np.radians([(0, 40), (95, -40)])  # opposite corners of the joint limits
 SUP = 0.0474470131  # of F within them
 U = np.linspace(0, 1, 13)
 TANGENT_SPHERES = CHORD_PATHS["projected chord"]
-
-
-def pairs(n, seed=0):
-    return np.random.default_rng(seed).uniform(LOW, HIGH, (2, n, 2))
 
 
 def excess(torus, p, q):
@@ -62,9 +56,9 @@ def test_greatest_excess_in_forty_digits():
         p, q = ([mp.radians(v) for v in end] for end in ((0, 40), (95, -40)))
         chord = short_chords.Chord((mp.mpf("0.1"), 1), p, q)
         t, weights, matrix = short_chords.nodes()
-        gap = mp.matrix([chord.gap(share * chord.angle) for share in t])
-        slope = matrix * gap / chord.angle
-        second = short_chords.dot(weights, [a**2 - b**2 for a, b in zip(slope, gap, strict=True)])
+        gap = np.array([chord.gap(share * chord.angle) for share in t])
+        slope = matrix @ gap / chord.angle
+        second = weights @ (slope**2 - gap**2)
     assert abs(second / 2 - mp.mpf("0.0474470130872")) < 1e-12
     assert ChordLaw(*CORNERS).excess == pytest.approx(float(second / 2), rel=1e-13)
     assert SUP == pytest.approx(float(second / 2), abs=1e-10)
@@ -89,7 +83,7 @@ def test_greatest_excess_is_at_opposite_corners():
 
 @pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4])
 def test_excess_is_that_of_tori_near_a_sphere(ratio):
-    p, q = pairs(300, seed=1)
+    p, q = joint_pairs(300, seed=1)
     F = ChordLaw(p, q).excess
     off = scaled(ratio, p, q) / F - 1
     # First order in r/R; of two lengths rounding is seen at last, ten of R's, be they as short.
@@ -99,7 +93,7 @@ def test_excess_is_that_of_tori_near_a_sphere(ratio):
 
 @pytest.mark.parametrize("ratio", [1e-2, 1e-4])
 def test_aside_is_that_of_tori_near_a_sphere(ratio):
-    p, q = pairs(100, seed=2)
+    p, q = joint_pairs(100, seed=2)
     torus = Torus(ratio, 1)
     # The law's places are those of equal angles; the deviation's sign follows the pole.
     t = np.linspace(0, 1, 129)
@@ -111,7 +105,7 @@ def test_aside_is_that_of_tori_near_a_sphere(ratio):
 
 
 def test_law_against_measurement_on_the_machine():
-    p, q = pairs(20_000, seed=3)
+    p, q = joint_pairs(20_000, seed=3)
     torus = MACHINE.torus
     measured = excess(torus, p, q)
     told = measured > 1e-11  # the rest is near rounding
@@ -137,7 +131,7 @@ def test_short_chords_follow_the_short_law():
 
 
 def test_bound_holds_up_to_the_horn_and_not_on_rings():
-    p, q = pairs(3_000, seed=6)
+    p, q = joint_pairs(3_000, seed=6)
     corners = np.array([CORNERS[0]]), np.array([CORNERS[1]])
     p, q = (np.concatenate(both) for both in zip((p, q), corners, strict=True))
     for ratio in (1, 0.99, 0.9, 0.75, 0.59, 0.5, 0.25, 0.1, 0.01):
@@ -148,8 +142,7 @@ def test_bound_holds_up_to_the_horn_and_not_on_rings():
 
 
 def test_table_of_short_chords_is_what_its_script_writes():
-    with short_chords.TABLE.open(newline="") as file:
-        header, *rows = csv.reader(file)
+    header, rows = tables.read(short_chords.TABLE)
     assert header == short_chords.COLUMNS
     assert len(rows) == 48
     assert rows[0] == next(short_chords.rows())

@@ -51,12 +51,6 @@ def test_circuit_clearance_is_the_least_over_the_circuit(arm_radius):
     np.testing.assert_allclose(found, sampled.min(), atol=1e-9)
 
 
-def posed(seed):
-    """Return two places and a rotation at random, about the egg."""
-    rng = np.random.default_rng(seed)
-    return *rng.uniform(-0.4, 0.4, (2, 3)), np.linalg.qr(rng.normal(size=(3, 3)))[0], rng
-
-
 def rim(centre, axis, radius):
     """Return points (n, 3) of a circle."""
     across = np.linalg.qr(np.stack([axis, *np.eye(3)], axis=-1))[0][:, 1:3]
@@ -67,7 +61,9 @@ def rim(centre, axis, radius):
 @pytest.mark.parametrize("seed", range(8))
 def test_solid_clearance_is_the_least_depth_of_the_solid(seed):
     # Inside, across the wall and outside; the least depth of a convex solid is at a corner or rim.
-    a, b, turn, rng = posed(seed)
+    rng = np.random.default_rng(seed)
+    a, b = rng.uniform(-0.4, 0.4, (2, 3))
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     first, last, corner = rng.uniform(0.02, 0.3, 3)
     capsule = Rod(a, b, first, ends="round")
     assert solid_clearance(EGG, capsule) == pytest.approx(

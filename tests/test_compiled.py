@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.hard_lines import FAMILIES, KINDS, shape_of
+from tests.shapes import ends_at_limits
 from tunneller_lib.kernels import compiled
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid, follow
 from tunneller_lib.motion.arm import weights
@@ -111,25 +112,22 @@ GRIDS = {
     "fine wall": lambda: DexelGrid.radial(-1, 1, 0.3, 1.0, (400, 720)),  # more than one block
     "wall with gaps": lambda: DexelGrid.radial(-1, 1, 0.3, np.linspace(0.9, 0.3, 60), (40, 60)),
 }
-TURNING = np.linspace(0, 7, 40)
+TURNING, STEPS = np.linspace(0, 7, 40), np.random.default_rng(3).uniform(-0.1, 0.1, (60, 3))
 PATHS = {
     "ball": ([[0.1, 0.2, 0.5]], 0.2),
-    "resting": ([[0.1, 0.2, 0.5]] * 5, 0.2),
-    "short moves": (
-        np.add(np.cumsum(np.random.default_rng(3).uniform(-0.1, 0.1, (60, 3)), 0), (0, 0.3, 0.4)),
-        0.2,
-    ),
+    "short moves": (np.add(np.cumsum(STEPS, axis=0), (0, 0.3, 0.4)), 0.2),
     "long moves": (np.random.default_rng(4).uniform(-1, 1, (30, 3)), 0.05),
     "round and round": (
         np.stack([TURNING / 20, 0.7 * np.cos(TURNING), 0.7 * np.sin(TURNING)], axis=-1),
         0.1,
     ),
-    "along lines": ([[0, 0, 0.2], [0, 0, 0.4], [0, 0, 0.7], [0.01, 0, 0.6]], 0.1),
-    "about the axis": ([[-0.5, 0, 0], [0, 0, 0], [0.2, 0, 0.01], [0.5, 0, 0]], 0.4),
-    # Two moves beside each other, and one that joins them outside of the material.
-    "apart": ([[0, 0.5, 0.5], [0, 0.7, 0.5], [5, 0.7, 0.5], [5, 0.6, 0.9], [0, 0.6, 0.9]], 0.1),
+    # At rest, along lines of the block, about the axis of the wall, and outside of the material.
+    "special moves": (
+        [[0, 0, 0.2], [0, 0, 0.2], [0, 0, 0.7], [0.01, 0, 0.6], [-0.5, 0, 0], [0, 0, 0],
+         [0.2, 0, 0.01], [0.5, 0, 0], [5, 0.7, 0.5], [5, 0.6, 0.9], [0, 0.6, 0.9]], 0.1,
+    ),
     "clear": ([[9, 9, 9], [9, 9, 8]], 0.1),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -206,79 +204,37 @@ TORI = {
 }
 
 
-def hard_ends(torus, n, seed=5):
-    """Return random ends (n, 2): alike, level, on a meridian, half a turn or nothing apart."""
-    rng = np.random.default_rng(seed)
-    p, q = (
-        rng.uniform(-np.pi, np.pi, (2, n, 2))
-        if torus is not SHEET
-        else rng.uniform(-1, 1, (2, n, 2))
-    )
-    q[::11] = p[::11]
-    q[::7, 0] = p[::7, 0]
-    q[::13, 1] = -p[::13, 1]
-    q[::17, 0] = p[::17, 0] + np.pi
-    for k, phi in enumerate((0, np.pi, -np.pi)):
-        p[k::19, 1] = q[k::23, 1] = phi
-    p[2::37] *= 1e-200
-    q[2::37] *= 1e-200
-    node = np.arccos(max(-torus.r / torus.R, -1))
-    off = 10 ** rng.uniform(-9, -1, n)
-    p[3::15, 1] = (node - off)[3::15]
-    q[3::15, 1] = (np.roll(off, 1) - node)[3::15]
-    q[3::30, 0] = p[3::30, 0] + np.pi
-    q[4::15, 0] = p[4::15, 0] + off[4::15] * 1e-9
-    p[5::41, 0] += 1e9
-    return p, q
-
-
 @pytest.mark.parametrize("name", TORI)
-def test_geodesics_have_the_same_bits_plain_and_compiled(name, monkeypatch):
-    pytest.importorskip("numba")
-    torus = TORI[name]
-    p, q = hard_ends(torus, 400)
-    go(False, monkeypatch)
-    plain = geodesic_inverse(torus, p, q), competing_geodesics(torus, p[:40], q[:40])
-    go(True, monkeypatch)
-    fast = geodesic_inverse(torus, p, q), competing_geodesics(torus, p[:40], q[:40])
+def test_geodesics_have_the_same_bits_both_ways(name, both_ways):
+    torus, rng = TORI[name], np.random.default_rng(5)
+    ends = np.stack(ends_at_limits(torus), axis=1)
+    p, q = rng.choice(ends, 80, replace=False).swapaxes(0, 1)
+    q[::11] = p[::11]
+    p[5::41, 0] += 1e9
+    plain, fast = both_ways(
+        lambda: (geodesic_inverse(torus, p, q), competing_geodesics(torus, p[:20], q[:20]))
+    )
     assert len(set(plain[0].kind_code)) >= 3
     for field in ("length", "azimuth1", "azimuth2", "clairaut", "kind_code", "certificate_code"):
         for known, found in zip(plain, fast, strict=True):
             np.testing.assert_array_equal(getattr(known, field), getattr(found, field))
 
 
-def hard_starts(torus, n, seed=6):
-    """Return random starts (n, 2), azimuths and lengths (n,), some at ends of what there is."""
-    rng = np.random.default_rng(seed)
-    p = rng.uniform(-4, 4, (n, 2))
-    azimuth = rng.uniform(-9, 9, n)
-    length = torus.R * rng.uniform(-9, 9, n)
-    p[::11, 1] = 0
-    azimuth[::7] = 0
-    azimuth[1::13] = np.pi
-    azimuth[2::11] = np.pi / 2
-    azimuth[3::17] = 1e-14
-    length[::19] = 0
-    length[1::23] *= 1e9
-    length[2::29] *= 1e-200
-    length[3::31] = np.nan
-    if torus.r > torus.R:  # c is next to r - R, round the tube and not
-        close = np.arcsin((torus.r - torus.R) / (torus.r + torus.R))
-        p[4::9, 1] = 0
-        azimuth[4::9] = close * (1 + rng.choice([-1, 1], n) * 10 ** rng.uniform(-16, -3, n))[4::9]
-    return p, azimuth, length
-
-
 @pytest.mark.parametrize("name", TORI)
 @pytest.mark.parametrize("n", [2, 6])
-def test_points_of_geodesics_have_the_same_bits_plain_and_compiled(name, n, monkeypatch):
-    pytest.importorskip("numba")
-    torus = TORI[name]
-    starts = hard_starts(torus, 400)
-    go(False, monkeypatch)
-    plain = direct(torus, *starts, n)
-    go(True, monkeypatch)
-    fast = direct(torus, *starts, n)
+def test_points_of_geodesics_have_the_same_bits_both_ways(name, n, both_ways):
+    """From starts anywhere and on the equator, by all azimuths, along lengths of all sizes."""
+    torus, rng = TORI[name], np.random.default_rng(6)
+    p = rng.uniform(-4, 4, (400, 2)) * rng.choice([(1, 1), (1, 0)], 400)
+    straight = rng.choice([0, np.pi, np.pi / 2, 1e-14], 400)
+    azimuth = np.where(rng.random(400) < 0.7, rng.uniform(-9, 9, 400), straight)
+    if torus.r > torus.R:  # c is next to r - R, round the tube and not
+        close = np.arcsin((torus.r - torus.R) / (torus.r + torus.R))
+        p[::9, 1] = 0
+        azimuth[::9] = close * (1 + rng.choice([-1, 1], 45) * 10 ** rng.uniform(-16, -3, 45))
+    sizes = rng.choice([1, 1, 1, 1, 0, 1e9, 1e-200, np.nan], 400)
+    length = torus.R * rng.uniform(-9, 9, 400) * sizes
+    plain, fast = both_ways(lambda: direct(torus, p, azimuth, length, n))
     assert 0.1 < np.isfinite(plain.azimuth[:, -1]).mean() < 1
     np.testing.assert_array_equal(plain.position, fast.position)
     np.testing.assert_array_equal(plain.azimuth, fast.azimuth)
@@ -308,17 +264,18 @@ def test_blocks_have_the_same_bits_on_any_number_of_cores(cores, monkeypatch):
     monkeypatch.setattr(blocks, "COMPILED", 100)
     rng = np.random.default_rng(5)
     p, q = rng.uniform(-1, 1, (2, 730, 2))
-    way = geodesic_inverse(SHEET, p, q)
-    ends = geodesic_direct(SHEET, p, way.azimuth1, way.length, 3)
-    rod = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2)
     point, direction = rng.normal(size=(2, 730, 3))
-    enter, leave = rod.meet_line(point, direction)
+    rod = Rod((0, 0, 0), (0.5, 0.4, 0.3), 0.2)
+
+    def answers(i):
+        way = geodesic_inverse(SHEET, p[i], q[i])
+        ends = geodesic_direct(SHEET, p[i], way.azimuth1, way.length, 3).position
+        return way.length, way.azimuth1, ends, *rod.meet_line(point[i], direction[i])
+
+    together = answers(slice(None))
     for i in (0, 99, 100, 729):
-        one = geodesic_inverse(SHEET, p[i], q[i])
-        assert (one.length, one.azimuth1) == (way.length[i], way.azimuth1[i])
-        alone = geodesic_direct(SHEET, p[i], way.azimuth1[i], way.length[i], 3)
-        np.testing.assert_array_equal(alone.position, ends.position[i])
-        assert rod.meet_line(point[i], direction[i]) == (enter[i], leave[i])
+        for every, one in zip(together, answers(i), strict=True):
+            np.testing.assert_array_equal(every[i], one)
 
 
 def test_little_work_loads_no_compiler():
@@ -377,28 +334,6 @@ assert files()
 def test_a_kept_form_that_is_cut_short_or_another_loses_no_answer(tmp_path):
     pytest.importorskip("numba")
     child(SPOILT, NUMBA_CACHE_DIR=str(tmp_path))
-
-
-FUSED = """
-from tunneller_lib.kernels import compiled
-compiled.expect(2 * compiled.LONG, "axes")
-import numpy as np
-from tunneller_lib.motion import Lag, Loop, follow
-follow(Lag(0.5, 0.02), Loop(10.0, 5e-3), np.zeros(10))
-made = compiled._compiled.cache_info().currsize
-import gc, numba
-texts = [one.inspect_asm(key) for one in gc.get_objects()
-         if isinstance(one, numba.core.registry.CPUDispatcher)
-         and one.py_func.__module__ == "tunneller_lib.motion.ticks"
-         for key in one.signatures]
-print(made, sum("mulsd" in text for text in texts) > 0, sum("fmadd" in text for text in texts))
-"""
-
-
-def test_no_product_is_fused_with_a_sum(tmp_path):
-    pytest.importorskip("numba")
-    # An empty folder of its own, so that it is compiled here.
-    assert child(FUSED, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["1", "True", "0"]
 
 
 def test_other_compiler_runs_what_numba_does_not(monkeypatch):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exhibits.blade_scene import tool_sequence_picture, tools_scene
+from exhibits.blade_scene import tools_scene
 from exhibits.cone_scene import moving_cone_picture
 from exhibits.six_cones_scene import contact_scene
 from tests.scenes import share, small_scenes  # noqa: F401 - a fixture of all tests
@@ -49,10 +49,3 @@ def test_tools_have_the_colours_of_their_verdicts():
     picture = seen(tools_scene(RING, ON_BLADE, show, VERDICTS, **SIZE))
     for colour in ("cone", "generator", "error"):
         assert share(picture, colour) > 0.003
-
-
-def test_place_without_a_tool_is_red():
-    places = np.stack(RING.coordinates(np.array([0.8, 0.8]), np.array([0.3, 0.6])), axis=-1)
-    show = np.arange(len(ON_BLADE)) == 0
-    found = [tool_sequence_picture(RING, ON_BLADE, show, p, **SIZE) for p in (places, places[:1])]
-    assert share(found[0], "error") > share(found[1], "error") == 0

@@ -97,8 +97,7 @@ def test_prop20_side_by_the_opposite_and_by_any_place(judge):
     c, s = np.cos(turns), np.sin(turns)
     as_said = []
     for k, i in enumerate(cones.index):
-        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
-        centre = shared.circle_centre(points)
+        _, centre = shared.conic_of(cones, k)
         start = np.array([x0[i], y0[i]]) - centre
         there = centre + np.stack([c * start[0] - s * start[1], s * start[0] + c * start[1]], -1)
         sides = np.stack(normal(*there.T), axis=-1) @ (cones.contact[k] - cones.vertex[k])
@@ -118,8 +117,7 @@ def test_remark21_distance(judge):
     printed = []
     for k, i in enumerate(cones.index):
         here = np.array([GRID[0][i], GRID[1][i]])
-        points = cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
-        centre = shared.circle_centre(points) - here
+        centre = shared.conic_of(cones, k)[1] - here
         jet = example(*jet_variables(*here))
         r = contact_point(*here, jet.value, jet.derivative(1, 0), jet.derivative(0, 1))
         m = vertex(*here, *centre, *osculating_conic(centre, jet))

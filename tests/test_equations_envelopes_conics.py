@@ -12,7 +12,7 @@ import sympy as sp
 from tests import symbols_envelopes as shared
 from tests.envelopes_zoo import MOTIONS
 from tests.shapes import directions
-from tests.symbols_envelopes import ANGLE, EQ9, EQ11, UT, VT, F, W, at, g, t, tan, u, v, x, y, zero
+from tests.symbols_envelopes import ANGLE, EQ9, EQ11, UT, VT, D, F, at, g, t, tan, u, v, x, y, zero
 from tunneller_lib.envelopes import hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.adapted import adapted_frames
 from tunneller_lib.envelopes.families import moving_cone
@@ -23,14 +23,11 @@ READS = ["report/ledger/*"]
 
 def on_circle(order):
     """Return the derivative of f at t = 0 along the circle (8)."""
-    X = x + v * sp.sin(t) + u * (1 - sp.cos(t))
-    Y = y - u * sp.sin(t) + v * (1 - sp.cos(t))
-    # Derivatives by the chain rule: d/dt along a motion with x' = v cos + u sin, y' = ...
-    xs, ys = X.diff(t), Y.diff(t)
-    expression = shared.f
+    way = v * sp.cos(t) + u * sp.sin(t), v * sp.sin(t) - u * sp.cos(t)
+    expression = F("")
     for _ in range(order):
-        expression = expression.diff(x) * xs + expression.diff(y) * ys + expression.diff(t)
-    return shared.plain(expression.subs(t, 0))
+        expression = D(way, expression) + expression.diff(t)
+    return sp.expand(expression.subs(t, 0))
 
 
 def test_eq08_eq09_prop9_special_conics(judge):
@@ -41,7 +38,7 @@ def test_eq08_eq09_prop9_special_conics(judge):
         centre = shared.circle_centre(points)
         for point in points:
             here = {x: point[0], y: point[1], u: centre[0] - point[0], v: centre[1] - point[1]}
-            size = float((W**2).subs(here))
+            size = float((shared.W**2).subs(here))
             left, other = (float(EQ9.subs({**here, tan: np.tan(a)})) for a in (angle, angle + 0.1))
             of_this_angle.append(abs(left) < 1e-8 * (size + 1) and abs(other) > 1e-3 * size)
     # (8) itself: over such a circle it runs through planes of one point and one angle.
@@ -67,7 +64,7 @@ def test_angle_of_proposition9(judge):
         difference = (sp.tan(one) - sign * sp.tan(two)) / (1 + sign * sp.tan(one) * sp.tan(two))
         links.append(zero(sp.expand_trig(sp.tan(one - sign * two)) - difference))
     below = 1 + (x + u) ** 2 + (y + v) ** 2 - u**2 - v**2
-    assert zero(below - W)
+    assert zero(below - shared.W)
     assert zero(4 * tan**2 * (u**2 + v**2) - below**2 + EQ9)  # cot = 2 sqrt/below, squared
     judge("cones-d-prop9", len(links) == 4 and all(links))
 
@@ -121,9 +118,8 @@ def test_prop11_contact_orders(judge):
     jet = shared.example(*jet_variables(0.5, 0.3))
     orders, as_said = [], []
     for k in range(6):
-        points = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
         here = isotropic.plane_to_point(cones.normal[k], -cones.normal[k] @ cones.contact[k])
-        centre = shared.circle_centre(points) - here[:2]
+        centre = shared.conic_of(cones, k)[1] - here[:2]
         _, a, b = isotropic.osculating_conic(centre, jet)
         gaps = []
         for step in np.array([2e-3, 4e-3]) / np.hypot(*centre):
@@ -210,8 +206,7 @@ def test_theorem13_conics_of_fourth_order_stay_in_the_graph(judge):
     here = isotropic.plane_to_point(cones.normal[0], -cones.normal[0] @ cones.contact[0])
     fourth, gaps, others = np.abs(cones.order4) < 1e-9, [], []
     for k in range(len(cones)):
-        points = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE, 40)
-        centre = shared.circle_centre(points)
+        points, centre = shared.conic_of(cones, k, 40)
         turn = np.angle(((points[:, :2] - centre) @ [1, 1j]) / ((here[:2] - centre) @ [1, 1j]))
         arc = points[(np.abs(turn) < 1.5) & (np.hypot(*points[:, :2].T) > 1e-3)]
         gap = np.abs(arc[:, 2] - shared.example(arc[:, 0], arc[:, 1])).max()
@@ -225,9 +220,7 @@ def test_theorem13_conics_of_fourth_order_stay_in_the_graph(judge):
 
 def _moved_eq11(du, dv):
     """Return the derivative of Eq. 11 along x' = v, y' = -u, with u' and v' given."""
-    moved = sum(sp.diff(EQ11, s) * (shared.NAMES[i + 1, j] * v - shared.NAMES[i, j + 1] * u)
-                for (i, j), s in shared.NAMES.items() if i + j in (2, 3))  # fmt: skip
-    return moved + EQ11.diff(u) * du + EQ11.diff(v) * dv
+    return D((v, -u), EQ11) + EQ11.diff(u) * du + EQ11.diff(v) * dv
 
 
 def test_derivative_of_eq11(judge):
@@ -270,7 +263,7 @@ def test_eq14_jacobian(judge):
 
 
 def test_eq15_gradient(judge):
-    printed = x * W - 4 * u * tan**2, y * W - 4 * v * tan**2
+    printed = x * shared.W - 4 * u * tan**2, y * shared.W - 4 * v * tan**2
     gradient = [EQ9.diff(u), EQ9.diff(v)]
 
     def is_half(form):
@@ -285,18 +278,18 @@ def test_eq15_gradient(judge):
 
 def test_derivative_of_eq09(judge):
     du, dv = sp.symbols("du dv")
-    moved = EQ9.diff(x) * v - EQ9.diff(y) * u + EQ9.diff(u) * du + EQ9.diff(v) * dv
+    moved = D((v, -u), EQ9) + EQ9.diff(u) * du + EQ9.diff(v) * dv
     bracket = x * (v + du) + y * (dv - u)
     rest = 8 * tan**2 * (u * du + v * dv)
 
     def is_derivative(factor):
-        return sp.expand(moved - (factor * bracket * W - rest)) == 0
+        return sp.expand(moved - (factor * bracket * shared.W - rest)) == 0
 
     judge("cones-d-eq09", is_derivative(2), right=is_derivative(4))
     # A second way: along a straight move, to first order.
     change = _along_a_move(EQ9, du, dv)
     for factor, right in ((4, True), (2, False)):
-        assert (sp.expand(change - (factor * bracket * W - rest)) == 0) is right
+        assert (sp.expand(change - (factor * bracket * shared.W - rest)) == 0) is right
 
 
 def test_eq16_motion_of_the_centre(judge):

@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from tests.envelopes_zoo import CURVES, DEVELOPABLE, GENERAL, GRID, MOTIONS, RULED
-from tests.symbols_envelopes import F, d, plain, t, u, v, x, y, zero
+from tests.symbols_envelopes import D, F, t, u, v, x, y, zero
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
 
@@ -18,7 +18,7 @@ READS = ["report/ledger/*"]
 
 
 def test_eq01_derivative_along_the_ruling(judge):
-    fxx, fxy, fyy = d(x, x), d(x, y), d(y, y)
+    fxx, fxy, fyy = F("xx"), F("xy"), F("yy")
     length = sp.sqrt(fyy**2 + fxy**2)
     form = fxx * fyy / length + fxy * (-fxy / length)
     judge("cones-eq01", zero(form - (fxx * fyy - fxy**2) / length))
@@ -26,21 +26,18 @@ def test_eq01_derivative_along_the_ruling(judge):
 
 def test_eq02_derivative_along_the_curve(judge):
     a, b = sp.Function("a")(t), sp.Function("b")(t)
-    h = sp.Function("h")
-    fxx, fxy = h(x, y).diff(x, x), h(x, y).diff(x, y)
-    along = [e.diff(x) * a + e.diff(y) * b for e in (fxx, fxy)]
-    left = along[0] * a + fxx * a.diff(t) + along[1] * b + fxy * b.diff(t)
-    third = fxx.diff(x) * a**2 + 2 * fxx.diff(y) * a * b + fxy.diff(y) * b**2
-    first_display = zero(left - third - fxx * a.diff(t) - fxy * b.diff(t))
+    one = F("xx") * a + F("xy") * b
+    third = F("xxx") * a**2 + 2 * F("xxy") * a * b + F("xyy") * b**2
+    left = D((a, b), one) + one.diff(t)
+    first_display = zero(left - third - F("xx") * a.diff(t) - F("xy") * b.diff(t))
     # The next display: the third-order part follows from the derivative of K by x.
-    K = d(x, x) * d(y, y) - d(x, y) ** 2
-    shown = d(x, x, x) * d(y, y) - 2 * d(x, x, y) * d(x, y) + d(x, y, y) * d(x, x)
-    assert zero(K.diff(x) - shown)
+    K = F("xx") * F("yy") - F("xy") ** 2
+    shown = F("xxx") * F("yy") - 2 * F("xxy") * F("xy") + F("xyy") * F("xx")
+    assert zero(D((1, 0), K) - shown)
     # With K = 0 it is the part of third order in (2), along (fyy, -fxy).
     along = {u: F("yy"), v: -F("xy")}
     part = (F("xxx") * u**2 + 2 * F("xxy") * u * v + F("xyy") * v**2).subs(along)
-    rest = F("xyy") * (F("xx") * F("yy") - F("xy") ** 2)
-    next_display = zero(plain(shown) * F("yy") - part - rest)
+    next_display = zero(shown * F("yy") - part - F("xyy") * K)
     judge("cones-eq02", first_display and next_display)
 
 

@@ -11,10 +11,9 @@ from exhibits.envelope_equations import noisy_planes, tilted
 from tests import symbols_envelopes as shared
 from tests.audit.long import many
 from tests.envelopes_zoo import GRID
-from tests.symbols_envelopes import ANGLE, EQ11, EX31, NAMES, F, W, g, p, t, tan, u, v, x, y, zero
+from tests.symbols_envelopes import ANGLE, EQ11, EX31, NAMES, F, g, t, tan, u, v, x, y, zero
 from tunneller_lib import milling
 from tunneller_lib.envelopes import fit_surface, hyperosculating_cones, isotropic
-from tunneller_lib.envelopes.jet import differentiated, jet_variables
 from tunneller_lib.envelopes.measured import mean_frame
 from tunneller_lib.milling.faces import BladeRing
 
@@ -38,8 +37,7 @@ def test_example31_two_generators(judge):
     assert not cones.gouges[exact].any()
     over = []
     for k in np.flatnonzero(exact):
-        points = shared.cone_points(cones.vertex[k], cones.side[k] * cones.axis[k], ANGLE)
-        centre = shared.circle_centre(points)
+        points, centre = shared.conic_of(cones, k)
         over.append(np.isclose(np.hypot(*centre), 0.5 / np.tan(ANGLE)))  # through the origin
         radius = np.linalg.norm(points[:, :2] - centre, axis=1)
         over.append(np.allclose(radius, 0.5 / np.tan(ANGLE), rtol=1e-9))
@@ -86,55 +84,25 @@ def test_example31_six_positions(judge):
 
 
 def test_example31_four_principal_positions(judge):
-    """Exactly: two lines of principal directions with two cones each, all of which gouge."""
+    """Two lines of principal directions with two cones each, all of which gouge."""
     square = x**2 + y**2
-    eleven = sp.factor(on_example31(EQ11))
-    assert zero(eleven + 6 * PRINCIPAL[0] * PRINCIPAL[1] * THROUGH / square**4)
-    f_, fx, fy = EX31, EX31.diff(x), EX31.diff(y)
-    r = sp.Matrix(isotropic.contact_point(x, y, f_, fx, fy))
-    touch, gouge = [], []
-    for line, shift in zip(PRINCIPAL, (y, x), strict=True):
-        along = {u: line.diff(v) / square, v: -line.diff(u) / square}  # a unit vector of the line
-        assert zero(sum(c**2 for c in along.values()) - 1)
-        size = p / 2 / (1 / t - shift)  # t = +-cot(theta)
-        here = {s: sp.factor(size * c) for s, c in along.items()}
-        # A root of (9) for either sign of t, and of (11).
-        touch.append(zero((W - 2 * size / t).subs(here)) and zero(eleven.subs(here)))
-        a, b = (on_example31(e).subs(here) for e in shared.EQ10)
-        m = sp.Matrix(shared.eq22(f_, a, b)).subs(here)
-        opposite = [2 * (x + 2 * here[u]), 2 * (y + 2 * here[v]),
-                    1 - (x + 2 * here[u]) ** 2 - (y + 2 * here[v]) ** 2]  # fmt: skip
-        side = sp.factor(sp.Matrix(opposite).dot(r - m))  # Proposition 20
-        gap = sp.factor(side * on_example31(shared.EQ12).subs(here))
-        # Minus squares, but where square = |shift| cot: there it meets a generator.
-        gouge.append(_is_minus_a_square(gap, (square + shift * t) ** 2))
-    assert len(touch) == 2 and all(gouge)
-    judge("cones-principal", cases={"third-order contact, twice on each line": all(touch),
+    factors = PRINCIPAL[0] * PRINCIPAL[1]
+    assert zero(on_example31(EQ11) + 6 * factors * THROUGH / square**4)
+    # Principal directions: f_ew is zero on both lines, and on no other.
+    assert zero(on_example31(shared.EQ25) + 2 * factors / square**3)
+    places = np.random.default_rng(31).uniform(0.1, 2, (60, 2))
+    cones = hyperosculating_cones(shared.example, *places.T, half_angle=ANGLE)
+    lines = sp.lambdify((x, y, u, v), PRINCIPAL)
+    found, gouge = np.zeros((60, 2)), []
+    for k, i in enumerate(cones.index):
+        centre = shared.conic_of(cones, k)[1] - places[i]
+        on = np.abs(lines(*places[i], *centre)) < 1e-9 * (1 + np.hypot(*centre))
+        found[i] += on
+        if on.any():
+            gouge.append(cones.gouges[k])
+    judge("cones-principal", cases={"third-order contact, twice on each line": np.all(found == 2),
                                     "candidates, which don't gouge": not any(gouge)})  # fmt: skip
-    # Principal directions: along the rulings the normal changes in their own direction.
-    cones = hyperosculating_cones(shared.example, 0.9, 0.6, half_angle=ANGLE)
-    X, Y = jet_variables(0.9, 0.6)
-    f4 = shared.example(X, Y)
-    moving = isotropic.contact_point(X, Y, f4, differentiated(f4, 0), differentiated(f4, 1))
-    rates = [np.array([[c.derivative(1, 0), c.derivative(0, 1)] for c in part], float)
-             for part in (moving, isotropic.normal(X, Y))]  # fmt: skip
-    for k in np.flatnonzero(cones.gouges):
-        ruling = cones.contact[k] - cones.vertex[k]
-        step, rest = np.linalg.lstsq(rates[0], ruling, rcond=None)[:2]
-        assert rest.size == 1 and np.all(rest < 1e-20)
-        assert np.linalg.norm(np.cross(rates[1] @ step, ruling)) < 1e-10
-    assert np.count_nonzero(cones.gouges) == 4
-
-
-def _is_minus_a_square(expression, factor):
-    """Return whether a quotient has a factor, and is never above 0."""
-    rest = sp.factor(expression / factor)
-    number, factors = sp.factor_list(sp.numer(rest) * sp.denom(rest))
-    odd = [sp.Poly(base) for base, power in factors if power % 2]
-    return number < 0 and all(
-        min(base.coeffs()) > 0 and not any(n % 2 for powers in base.monoms() for n in powers)
-        for base in odd
-    )
+    assert len(gouge) == 240 and all(gouge)
 
 
 def test_numbers_of_cones_by_sturms_rule(judge):

@@ -5,17 +5,16 @@ identity at a general point, and each example a number. The verdicts stand in
 report/ledger/cone-envelopes.toml.
 """
 
-from fractions import Fraction
-
 import numpy as np
 import sympy as sp
-from mpmath import mp
 
 from tests import symbols_open as shared
 from tests.envelopes_zoo import CURVES, GRID, RULED, pipe, ruled
-from tests.symbols_open import SLOPE, D, F, M, a, e, form, kappa, p, q, qa, tau, w, x, xe, xw, y
+from tests.symbols_envelopes import D, jet_of, p, x, y
+from tests.symbols_open import SLOPE, F, M, a, e, form, kappa, q, qa, tau, w, xe, xw
 from tunneller_lib.envelopes import hyperosculating_cones, recognise
 from tunneller_lib.envelopes.adapted import adapted_frames
+from tunneller_lib.envelopes.isotropic import contact_point, normal
 from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 
 READS = ["report/ledger/*"]
@@ -96,51 +95,20 @@ def test_problem15_multiple_conics(judge):
         contained.append((sines * np.sqrt(1 - sines**2)).min() < 1e-3)  # f_ew over r y'
     assert all(satisfied)
     judge("cones-problem15", any(contained))
-    # A second way, 60 digits: values of the graph along the double conic's circle, no derivative.
-    # Over 1 - cos(t) and sin(t) its even and odd half are constant to t^3 by contact of order 4,
-    # and to all orders where the conic stays in the graph.
-    with mp.workdps(60):
-        for angle, start in ((20, "0.3"), (30, "0.25"), (60, "0.1")):
-            even, odd = halves_along_the_circle(mp.radians(angle), mp.mpf(start))
-            for half in (even, odd):
-                change = [half(mp.mpf(10) ** -k) - half(mp.mpf(10) ** -k / 2) for k in (4, 5)]
-                power = mp.log10(abs(change[0] / change[1]))
-                assert 3.99 < power < 4.01
-
-
-def bending(theta):
-    """Return the example's derivative of g'/r, up to a factor, as a function of the radius."""
-    C, S = mp.cos(theta), mp.sin(theta)
-
-    def bend(k):
-        c = (1 - k * k) / (1 + k * k)
-        W = mp.sqrt(c * c - S * S)
-        return (C * c + W) ** 1.5 * (c + W) ** (-3 / (2 * C)) / k**2
-
-    return bend
-
-
-def halves_along_the_circle(theta, start):
-    """Return the example's even and odd half along a double conic's circle, as said there."""
-    bend = bending(theta)
-
-    def graph(k):  # with g and g' zero at the start
-        return (
-            k * k * mp.quad(bend, [start, k]) - mp.quad(lambda m: m * m * bend(m), [start, k])
-        ) / 2
-
-    half = (1 - start**2) / start / mp.tan(theta) / 2
-    sin_a = half - mp.sqrt(half**2 - 1)
-    radius = (1 + start**2) / 2 / (mp.tan(theta) + start * sin_a)
-    centre = mp.mpc(start - radius * sin_a, radius * mp.sqrt(1 - sin_a**2))
-
-    def value(t):
-        return graph(abs(centre + mp.expj(t) * (start - centre)))
-
-    return (
-        lambda t: (value(t) + value(-t)) / 2 / (1 - mp.cos(t)),
-        lambda t: (value(t) - value(-t)) / 2 / mp.sin(t),
-    )
+    # A second way: values of the graph along the double conic's circle, no derivative. Over
+    # 1 - cos(t) and sin(t) its even and odd half are constant to t^3 by contact of order 4, and to
+    # all orders where the conic stays in the graph.
+    steps = np.array([0.04, 0.02, 0.01])
+    for half_angle, start in ((np.radians(20), 0.3), (np.radians(30), 0.25), (np.radians(60), 0.1)):
+        sin_a = double_root(half_angle, start)
+        radius = (1 + start**2) / 2 / (np.tan(half_angle) + start * sin_a)
+        centre = start - radius * sin_a + 1j * radius * np.sqrt(1 - sin_a**2)
+        places = centre + np.exp(1j * np.array([steps, -steps])) * (start - centre)
+        f = pseudo_envelope(half_angle)
+        plus, minus = f(places.real, places.imag) - f(start, 0.0)
+        for half in ((plus + minus) / (1 - np.cos(steps)), (plus - minus) / np.sin(steps)):
+            change = np.diff(half)
+            assert 3.9 < np.log2(abs(change[0] / change[1])) < 4.15
 
 
 def test_problem15_envelope_of_paraboloids(judge):
@@ -224,20 +192,16 @@ def directions(*forms):
     return {sp.simplify(sp.sin(*angle)) for angle in found}
 
 
-def put_in(graph, expression):
-    """Return an expression of a graph that is given by its formula."""
-    for (i, j), symbol in F.items():
-        if symbol in expression.free_symbols:
-            slope = graph.diff((x, i), (y, j)) if i + j else graph
-            expression = expression.subs(symbol, slope)
-    return expression
+def paraboloid():
+    """Return c = grad f - lambda x and d of the paraboloid (7) with lambda = f_ee that touches."""
+    c = [slope - form(e, e) * place for slope, place in zip(SLOPE, (x, y), strict=True)]
+    return c, F[0, 0] - form(e, e) * (x**2 + y**2) / 2 - c[0] * x - c[1] * y
 
 
 def test_problem30_channels(judge):
     # With f_ew = f_eee = 0 along e: lambda = f_ee, c = grad f - lambda x and the paraboloid's
     # height d stay, so that one paraboloid (7) touches along the curve.
-    c = [slope - form(e, e) * place for slope, place in zip(SLOPE, (x, y), strict=True)]
-    d = F[0, 0] - form(e, e) * (x**2 + y**2) / 2 - c[0] * x - c[1] * y
+    c, d = paraboloid()
     change = form(e, e, e) + 2 * turn * form(e, w)
     steps = [shared.vanishes(along(form(e, e)) - change)]
     for k, place in enumerate((x, y)):
@@ -246,28 +210,17 @@ def test_problem30_channels(judge):
     # With the clauses: 1 + y^3 solves (26), in the direction of straight top views alone, and so
     # has no conic over a circle.
     graph = 1 + y**3
-    sines = directions(put_in(graph, form(e, w)), put_in(graph, form(e, e, e)))
+    sines = directions(form(e, w).subs(jet_of(graph)), form(e, e, e).subs(jet_of(graph)))
     judge("cones-problem30-channels", sines != {0}, right=all(steps))
-    # A second way, fractions: points of that surface by the printed Eq. 20. Those over a line
-    # y = const lie on one sphere, which touches z = 0 with the normal (0, 0, -1), and the plane of
-    # their normals goes through (0, 0, -1).
-    for b in (Fraction(1, 3), Fraction(1, 5)):
-        spheres = set()
-        planes = set()
-        for top in (Fraction(0), Fraction(1, 2), Fraction(-2, 3), Fraction(3)):
-            height = 1 + b**3
-            square = top**2 + b**2 + 1
-            fy = 3 * b**2
-            point = [(2 * top * b * fy - 2 * top * height) / square,
-                     ((b**2 - top**2 - 1) * fy - 2 * b * height) / square,
-                     (2 * b * fy - 2 * height) / square]  # fmt: skip
-            n = [2 * top / square, 2 * b / square, (2 - square) / square]
-            radius = height - b * fy  # Eq. 24 with f_ee = 0
-            spheres.add((*(c + radius * m for c, m in zip(point, n, strict=True)), radius))
-            planes.add((n[1], n[2] + 1) if top == 0 else None)
-            assert n[1] == b * (n[2] + 1)  # a plane that holds (0, 0, -1)
-        [(_, _, up, radius)] = spheres
-        assert up + radius == 0 and len(planes) == 2
+    # A second way: points of that surface. Those over a line y = const lie on one sphere, which
+    # touches z = 0 with the normal (0, 0, -1), and the plane of their normals goes through that.
+    top = np.array([0, 1 / 2, -2 / 3, 3])
+    for b in (1 / 3, 1 / 5):
+        n, height, slope = np.stack(normal(top, b)), 1 + b**3, 3 * b**2
+        radius = height - b * slope  # Eq. 24 with f_ee = 0
+        centres = np.stack(contact_point(top, b, height, 0 * top, slope)) + radius * n
+        assert np.ptp(centres, axis=1).max() < 1e-14 and abs(centres[2, 0] + radius) < 1e-14
+        assert np.abs(n[1] - b * (n[2] + 1)).max() < 1e-15
 
 
 def test_problem30_pipes(judge):
@@ -277,8 +230,7 @@ def test_problem30_pipes(judge):
     steps = [shared.vanishes(along(radius) - change)]
     # ... so it's a channel, and the radius of its sphere, lambda/2 + d, is that one: with R
     # constant the curve lies where lambda' (|x|^2 - 1)/2 + c'.x = 0, over a great circle.
-    c = [slope - form(e, e) * place for slope, place in zip(SLOPE, (x, y), strict=True)]
-    d = F[0, 0] - form(e, e) * (x**2 + y**2) / 2 - c[0] * x - c[1] * y
+    _, d = paraboloid()
     steps.append(shared.vanishes(form(e, e) / 2 + d - radius))
     sphere = sp.symbols("n1 n2 n3")
     top = [sphere[0] / (sphere[2] + 1), sphere[1] / (sphere[2] + 1)]
@@ -290,8 +242,8 @@ def test_problem30_pipes(judge):
     far, bend, R = sp.symbols("far bend R", positive=True)
     torus = bend * (x**2 + y**2) / 2 + far * sp.sqrt(x**2 + y**2) + R - bend / 2
     at = {y: 0, x: sp.Rational(2, 3)}  # it is one of revolution
-    eq24 = put_in(torus, p * form(e, e) + 2 * (shared.HEIGHT - R)).subs(at)
-    sines = directions(eq24, put_in(torus, form(e, w)).subs(at))
+    jet, eq24 = jet_of(torus), p * form(e, e) + 2 * (shared.HEIGHT - R)
+    sines = directions(*(part.subs(jet).subs(at) for part in (eq24, form(e, w))))
     judge("cones-problem30-pipes", sines != {0}, right=all(steps))
     # A second way: that torus by its own circles. Spheres of its tube's radius touch it along
     # them, and their planes hold the axis, so they are parallel to (0, 0, -1).

@@ -11,20 +11,14 @@ import numpy as np
 import sympy as sp
 
 from tests import symbols_tunneller as shared
+from tests.shapes import joint_pairs
 from tests.symbols_tunneller import TORI, R, close, m1, m2, m3, n1, n2, n3, r, t, u, zero
 from tunneller_lib.paths import project_chord
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
+from tunneller_lib.surfaces import Torus
 
 READS = ["report/ledger/*"]
 
 DEGREES = sp.pi / 180
-
-
-def positions(seed, count):
-    """Return joint positions within the machine's limits."""
-    low = REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_min
-    high = REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max
-    return np.random.default_rng(seed).uniform(low, high, (count, 2))
 
 
 def feet_product():
@@ -56,7 +50,7 @@ def test_eq10_back_substitution(judge):
         assert zero(m2 * (W - sigma * r) / (rho - sigma * r) - eps * R * m2 / d)
     assert shared.vanishes_at_feet(shared.THIRD)
     torus, centre = Torus(1, 4), (2.0, 1.0, 3.0)
-    quartic = shared.eq11_corrected(0)
+    quartic = shared.eq10()
     roots = sp.Poly(quartic.subs(shared.EXAMPLE), n1).nroots(n=15)
     solved = close(np.sort(torus.feet(centre)[:, 0]), np.array(sorted(map(float, roots))), 100)
     judge("eq10-back-substitution",
@@ -68,41 +62,39 @@ def coefficient(power, m1_power=4):
     return m1**m1_power * feet_product().coeff_monomial(n1**power)
 
 
-def N4_by_feet():
-    """Return N4 over m1^4 for M and the torus of EXAMPLE, in numbers.
+def is_by_feet(form, power):
+    """Tell whether a form is the coefficient of n1^4 or n1^0, over m1^4, by the library's feet.
 
-    N1 as printed, which holds, is minus N4 times the sum of the triple products of the feet's n1.
+    For M and the torus of EXAMPLE, in numbers: N1 as printed, which holds, is minus N4 times the
+    sum of the triple products of the feet's n1, and N0 is N4 times the product of all.
     """
-    N1 = 8 * r**2 * R**2 * (m1**2 + m3**2) * m1**7 * m2**2
     feet = Torus(1, 4).feet((2, 1, 3))[:, 0]
     triples = sum(np.prod(three) for three in itertools.combinations(feet, 3))
-    return -float((N1 / m1**4).subs(shared.EXAMPLE)) / triples
+    wanted = -float((shared.eq11()["N1"] / m1**4).subs(shared.EXAMPLE)) / triples
+    wanted *= np.prod(feet) if power == 0 else 1
+    return bool(abs(float(form.subs(shared.EXAMPLE)) / wanted - 1) < 1e-9)
 
 
 def test_eq11_N4(judge):
-    s, nu4 = m1**2 + m3**2, shared.eq11_corrected_nu()[0]
-    printed, corrected = m1**4 * s * nu4, m1**4 * s**2 * nu4
+    corrected = shared.eq11(mended=True)["N4"]
+    printed = corrected / (m1**2 + m3**2)  # without the square
     truth = coefficient(4)
     judge("eq11-N4", zero(printed - truth), right=zero(corrected - truth))
     # A second way, in numbers.
-    wanted = N4_by_feet()
-    assert abs(float((corrected / m1**4).subs(shared.EXAMPLE)) / wanted - 1) < 1e-9
-    assert abs(float((printed / m1**4).subs(shared.EXAMPLE)) / wanted - 1) > 0.9
+    assert is_by_feet(corrected / m1**4, 4) and not is_by_feet(printed / m1**4, 4)
 
 
 def test_eq11_nu4(judge):
-    printed, (corrected, _) = shared.eq11_printed()["nu4"], shared.eq11_corrected_nu()
+    printed, corrected = (shared.eq11(mended)["nu4"] for mended in (False, True))
     s, truth = m1**2 + m3**2, coefficient(4, 0)
     judge("eq11-nu4", zero(s**2 * printed - truth), right=zero(s**2 * corrected - truth))
     assert zero(corrected - ((s + r**2 + m2**2) ** 2 - 4 * r**2 * s))
-    # A second way, in numbers: N4 by the feet, and by N1.
-    wanted = N4_by_feet()
-    for form, right in ((corrected, True), (printed, False)):
-        assert bool(abs(float((s**2 * form).subs(shared.EXAMPLE)) / wanted - 1) < 1e-9) is right
+    # A second way, in numbers.
+    assert is_by_feet(s**2 * corrected, 4) and not is_by_feet(s**2 * printed, 4)
 
 
 def test_eq11_N1_N2_nu2(judge):
-    printed = shared.eq11_printed()
+    printed = shared.eq11()
     s = m1**2 + m3**2
     judge("eq11-N1", zero(printed["N1"] - coefficient(1)))
     judge("eq11-N2", zero(printed["N2"] - coefficient(2)))
@@ -112,23 +104,17 @@ def test_eq11_N1_N2_nu2(judge):
 
 
 def test_eq11_nu0(judge):
-    printed, (_, corrected) = shared.eq11_printed()["nu0"], shared.eq11_corrected_nu()
+    printed, corrected = (shared.eq11(mended)["nu0"] for mended in (False, True))
     truth = coefficient(0, 0)
     judge("eq11-nu0", zero(m1**4 * printed - truth), right=zero(m1**4 * corrected - truth))
     judge("eq11-N0", zero(m1**8 * corrected - coefficient(0)))
-    s, e = m1**2 + m3**2, r**2 - R**2
-    short = e**2 * (s - r**2) ** 2 + 2 * r**2 * e * (s + r**2) * m2**2 + r**4 * m2**4
-    assert zero(corrected - short)
-    # A second way, in numbers: N0 is N4 times the product of the feet's n1.
-    wanted = N4_by_feet() * np.prod(Torus(1, 4).feet((2, 1, 3))[:, 0])
-    for form, right in ((corrected, True), (printed, False)):
-        assert bool(abs(float((m1**4 * form).subs(shared.EXAMPLE)) / wanted - 1) < 1e-9) is right
+    # A second way, in numbers.
+    assert is_by_feet(m1**4 * corrected, 0) and not is_by_feet(m1**4 * printed, 0)
 
 
 def test_eq11_quartic(judge):
     # Corrected, Eqs 10 and 11 have exactly the n1 of the four feet as roots; printed, they don't.
-    printed = sum(shared.eq11_printed()[f"N{p}"] * n1**p for p in range(5))
-    corrected, feet = shared.eq11_corrected(), feet_product()
+    printed, corrected, feet = shared.eq10(mended=False), shared.eq10(), feet_product()
 
     def has_feet(form):  # but for a factor free of n1
         quartic = sp.Poly(form, n1)
@@ -144,17 +130,14 @@ def test_eq11_quartic(judge):
 
 def test_four_coefficients(judge):
     # Corrected, grouped as printed: what is added, multiplied and raised to a power.
-    printed, (nu4, nu0) = shared.eq11_printed(), shared.eq11_corrected_nu()
-    left = [printed[f"N{p}"] for p in range(5) if printed[f"N{p}"] != 0]
-    grouped = [m1**4 * (m1**2 + m3**2) ** 2 * nu4, printed["N2"], printed["N1"], m1**8 * nu0]
-    operations = sum(sp.count_ops(coefficient) for coefficient in grouped)
+    mended = shared.eq11(mended=True)
+    left = [mended[f"N{p}"] for p in range(5) if mended[f"N{p}"] != 0]
+    operations = sum(map(sp.count_ops, left))
     judge("four-coefficients", len(left) == 4 and operations < 200)
-    quartic = sum(c * n1**p for c, p in zip(grouped, (4, 2, 1, 0), strict=True))
-    assert zero(quartic - shared.eq11_corrected())
 
 
 def test_eq11_common_factor(judge):
-    printed = shared.eq11_printed()
+    printed = shared.eq11()
     coefficients = [printed[name] for name in ("N4", "N2", "N1", "N0")]
     assert all(sp.rem(c, m1**4, m1) == 0 for c in coefficients)
     assert not all(sp.rem(sp.expand(c), m1**5, m1) == 0 for c in coefficients)
@@ -172,10 +155,6 @@ def test_eq11_common_factor(judge):
 def test_nearest_foot(judge):
     # |MN| = |R - d+|, R + d+, |R - d-|, R + d-, with d- >= d+: the distances of M from the
     # meridian circles' centres. The first is least where d+ + d- > 2R, and nowhere else.
-    near, far = sp.symbols("near far", positive=True)
-    assert zero((R - near) ** 2 - (R - far) ** 2 - (far - near) * (2 * R - near - far))
-    assert zero((R + near) ** 2 - (R - near) ** 2 - 4 * R * near)
-    # A second way, measured on the library's feet.
     for torus in TORI[:3]:
         centres = 2 * torus.R * shared.draw(13, 500, 3)
         rho = np.hypot(centres[:, 0], centres[:, 2])
@@ -233,7 +212,7 @@ def test_greatest_n1_foot(judge):
 
     greatest, least = [], []
     for torus in (Torus(1, 2.5), Torus(1, 8), Torus(1, 10)):
-        ends = torus.point(*positions(14, 4000).T).reshape(2, 2000, 3)
+        ends = torus.point(*joint_pairs(2000, 14).T).swapaxes(0, 1)
         share = np.random.default_rng(15).uniform(size=(2000, 1))
         centres = ends[0] + share * (ends[1] - ends[0])
         greatest.append(is_working(np.argmax, torus, centres))

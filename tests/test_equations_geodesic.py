@@ -5,6 +5,7 @@ import sympy as sp
 from scipy.optimize import fsolve
 
 from tests.audit.long import many
+from tests.shapes import HIGH, LOW, joint_pairs
 from tunneller_lib import paths
 from tunneller_lib.kernels import compiled, elementwise
 from tunneller_lib.paths.geodesic_root import NODES_OF_WORKING_SHEET
@@ -13,16 +14,11 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 READS = ["report/ledger/*"]
 
 MACHINE = REFERENCE_MACHINE
-LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
-
-
-def pairs(n):
-    return np.random.default_rng(33).uniform(LOW, HIGH, (2, n, 2))
 
 
 def pairs_and_corners():
     corners = np.array([(LOW, HIGH), (LOW, (HIGH[0], LOW[1]))]).swapaxes(0, 1)
-    return np.concatenate([pairs(2000), corners], axis=1)
+    return np.concatenate([joint_pairs(2000, 33), corners], axis=1)
 
 
 def test_several_geodesics(judge):
@@ -46,7 +42,7 @@ def test_several_geodesics(judge):
     rivals = paths.competing_geodesics(torus, p, q)
     assert rivals.converged.sum() == 2
     assert np.allclose(rivals.length[:2], lengths[:2], rtol=0, atol=1e-12)
-    found = paths.geodesic_inverse(torus, *pairs(2000))
+    found = paths.geodesic_inverse(torus, *joint_pairs(2000, 33))
     assert found.certified.all() and set(found.certificate) == {"only"}
 
 
@@ -68,21 +64,10 @@ def test_geodesic_is_one_root(judge):
                  "with Clairaut's constant": simultaneous(by_clairaut)})  # fmt: skip
     # Ours: the way back from its own azimuth and length ends where it should.
     judge("geodesic-precision", missing="the commercial codes")
-    p, q = pairs(2000)
+    p, q = joint_pairs(2000, 33)
     found = paths.geodesic_inverse(MACHINE.torus, p, q)
     end = paths.geodesic_direct(MACHINE.torus, p, found.azimuth1, found.length).point[:, -1]
     assert np.max(np.linalg.norm(end - MACHINE.torus.point(*q.T), axis=-1)) < 1e-12
-
-
-def first_arrival(ways, level):
-    """Return the theta at which each way first crosses the parallel phi = level, inf where none."""
-    met = []
-    for theta, phi in np.moveaxis(ways.position, -1, 1):
-        crossed = np.sign(phi - level) != np.sign(phi[0] - level)
-        i = np.argmax(crossed)
-        share = (level - phi[i - 1]) / (phi[i] - phi[i - 1])
-        met.append(theta[i - 1] + share * (theta[i] - theta[i - 1]) if i else np.inf)
-    return np.array(met)
 
 
 def test_geodesic_by_no_trial(judge):
@@ -98,15 +83,18 @@ def test_geodesic_by_no_trial(judge):
     # Always found: near and far, on tori that differ by a thousand times.
     found = []
     for ratio in (4, 40, 4000):
-        ways = paths.geodesic_inverse(Torus(1 / ratio, 1), *pairs(many(5_000, 20_000)))
+        ways = paths.geodesic_inverse(Torus(1 / ratio, 1), *joint_pairs(many(5_000, 20_000), 33))
         assert ways.certified.all()
         found.append(ways.converged)
     # A second way, without Clairaut: geodesics in a fan of directions meet the end's parallel
     # farther and farther round, so that there is one direction to find, and no other.
     torus, p, q = MACHINE.torus, (-0.9, -0.5), (0.3, 0.6)
     fan = np.linspace(0.02, 1.45, 60)
-    met = first_arrival(paths.geodesic_direct(torus, p, fan, 3.0, 3001), q[1])
-    reach = np.isfinite(met)
+    theta, phi = np.moveaxis(paths.geodesic_direct(torus, p, fan, 3.0, 3001).position, -1, 0)
+    last = np.argmax(phi > q[1], axis=1) - 1  # before the parallel
+    reach, row = last >= 0, np.arange(60)
+    share = (q[1] - phi[row, last]) / (phi[row, last + 1] - phi[row, last])
+    met = theta[row, last] + share * (theta[row, last + 1] - theta[row, last])
     assert reach[:40].all() and np.all(np.diff(met[reach]) > 0)
     direction = np.interp(q[0], met[reach], fan[reach])
     assert abs(direction - paths.geodesic_inverse(torus, p, q).azimuth1) < 1e-3
@@ -133,7 +121,7 @@ def test_geodesic_in_real_time(judge, monkeypatch):
     monkeypatch.setattr(compiled, "ready", lambda kind=None: False)
     monkeypatch.setitem(elementwise.PLAIN, "integrate", counted)
     number, lengths = [], []
-    for p, q in zip(*pairs(300), strict=True):
+    for p, q in zip(*joint_pairs(300, 33), strict=True):
         before = len(rounds)
         found = paths.geodesic_inverse(MACHINE.torus, p, q)
         assert found.converged
@@ -188,12 +176,12 @@ def test_geodesic_is_approximated(judge):
     assert np.median(joint) > 500 * np.median(excess)
     # About one middle, chords of half the length deviate an eighth as much.
     middle, half = (p + q)[:200] / 2, (q - p)[:200] / 2
-    worst = []
-    for part in (1 / 8, 1 / 16):
-        ends = middle - part * half, middle + part * half
-        track = chord(torus, *ends, np.linspace(0, 1, 17))
-        short = paths.geodesic_inverse(torus, *ends).points(65).deviation(track)
-        worst.append(np.max(np.abs(short), axis=-1))
+    parts = np.array([1 / 8, 1 / 16])[:, None, None]
+    ends = middle - parts * half, middle + parts * half
+    track = chord(torus, *ends, np.linspace(0, 1, 17))
+    worst = np.max(
+        np.abs(paths.geodesic_inverse(torus, *ends).points(65).deviation(track)), axis=-1
+    )
     assert abs(np.median(np.log2(worst[0] / worst[1])) - 3) < 0.1
 
 

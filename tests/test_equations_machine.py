@@ -11,7 +11,6 @@ import sympy as sp
 from scipy.spatial.transform import Rotation
 
 from exhibits.machine_scene import BODY, machine_model
-from tests import matlab_listing
 from tests.basic_listing import PRINTED
 from tests.symbols_tunneller import R, phi, r, theta
 from tunneller_lib import paths
@@ -81,33 +80,23 @@ def test_figure_one(judge):
     judge("fig1", missing="the photograph: the text handed down has the caption alone")
     # The substitute's parts sit where the text puts the joints and the cutter.
     for pose in np.radians([(0, 0), (-50, 30), (30, -40)]):
-        centre = MACHINE.torus.point(*pose)
         hinge = MACHINE.r * np.array([np.cos(pose[0]), 0, -np.sin(pose[0])])
-        meshes = [mesh for mesh, _ in machine_model(MACHINE, *pose)]
-        middles = np.array([mesh.center for mesh in meshes])
-        balls = [m for m in meshes if np.ptp(np.linalg.norm(m.points - centre, axis=1)) < 1e-6]
-        assert len(balls) == 1 and balls[0].n_points > 1000
-        assert np.min(np.linalg.norm(middles, axis=1)) < 1e-9  # the horizontal joint's pin
-        assert np.min(np.linalg.norm(middles - hinge, axis=1)) < 1e-7  # the tangential joint's
-        assert abs(np.linalg.norm(centre - hinge) - MACHINE.R) < 1e-12
+        middles = np.array([mesh.center for mesh, _ in machine_model(MACHINE, *pose)])
+        for place in ((0, 0, 0), hinge, MACHINE.torus.point(*pose)):  # both joints, the cutter
+            assert np.min(np.linalg.norm(middles - place, axis=1)) < 1e-7
     assert any(look is BODY for _, look in machine_model(MACHINE, 0.0, 0.0))
 
 
 def test_head_turns_about_the_arm(judge):
     judge("head-axis", missing="the machine: about which axis its head turns")
-    # A ball turned about any axis through its centre is the same ball, and takes the same ground.
+    # What a pick on the ball moves by is in proportion to its distance from the axis.
     rng = np.random.default_rng(49)
     picks = rng.normal(size=(400, 3))
     picks *= MACHINE.cutter_radius / np.linalg.norm(picks, axis=1)[:, None]
-    for axis in (MACHINE.torus.normal(0.2, -0.3), rng.normal(size=3)):
-        unit = axis / np.linalg.norm(axis)
-        turned = [Rotation.from_rotvec(angle * unit).apply(picks) for angle in (0.7, 0.7001)]
-        radii = np.linalg.norm(turned[0], axis=1)
-        np.testing.assert_allclose(radii, MACHINE.cutter_radius, rtol=1e-14)
-        # What a pick moves by is in proportion to its distance from the axis.
-        moved = np.linalg.norm(turned[1] - turned[0], axis=1)
-        far = np.linalg.norm(np.cross(unit, picks), axis=1)
-        np.testing.assert_allclose(moved, 1e-4 * far, rtol=1e-6)
+    axis = MACHINE.torus.normal(0.2, -0.3)
+    moved = Rotation.from_rotvec(1e-4 * axis).apply(picks) - picks
+    far = np.linalg.norm(np.cross(axis, picks), axis=1)
+    np.testing.assert_allclose(np.linalg.norm(moved, axis=1), 1e-4 * far, rtol=1e-6)
 
 
 def test_cylinders_of_both_joints(judge):
@@ -330,11 +319,6 @@ def test_listing_pi(judge):
 
 def test_efficient_implementation(judge):
     judge("efficient-implementation", missing="a program for the torus, a run of it or a count")
-    # Neither of the document's programs moves on a torus, and neither takes a time or a count.
-    basic, matlab = " ".join(PRINTED.values()), matlab_listing.PRINTED
-    assert set(re.findall(r"[A-Z]+(?=\()", basic)) <= {"SQR", "COS", "SIN", "ATN", "TAN"}
-    assert PRINTED[240] == "LPRINT U,180*PHI/PI, LN, NN, NN-LN"  # all that it prints a step
-    assert not re.search(r"\b(sin|cos|atan2?|sqrt|tic|toc|clock|cputime)\b", matlab)
     # Ours for a torus: a chord's point by three sums, then a root and two arctangents.
     ends = (-0.3, 0.2), (0.4, -0.3)
     (x1, y1, z1), q = (MACHINE.torus.point(*end).tolist() for end in ends)

@@ -56,6 +56,12 @@ def exactly_the_rod(scale, points):
     return exactly(*rods, np.full(len(points), scale * ROD.radius), scale * points, up)
 
 
+def upwards(seed, low=(-30, -35), high=(120, 35), n=20_000):
+    """Return m, s of lines straight up, and where they enter and leave ROD."""
+    ms = np.random.default_rng(seed).uniform(low, high, (n, 2))
+    return *ms.T, *ROD.meet_line(np.insert(ms, 2, 0, axis=-1), UP)
+
+
 def distance_outside(a, b, radius, points, ends):
     """Return how far points are outside the surface of rods, by the point."""
     v, q = b - a, points - a
@@ -429,13 +435,10 @@ def test_two_volumes_of_parallel_lines(judge):
 
 def test_two_ellipses_and_a_rectangle(judge):
     # The shadow, from the definition: whether any z is inside; against the closed set.
-    rng = np.random.default_rng(6)
-    m_, s_ = rng.uniform([-30, -35], [120, 35], (20_000, 2)).T
+    m_, s_, enter, leave = upwards(6)
     e, d = 0.8, 90.0
     ellipses = [((m_ - c) / e) ** 2 + s_**2 <= 25**2 for c in (0, d)]
     shadow = ellipses[0] | ellipses[1] | ((np.abs(s_) <= 25) & (m_ >= 0) & (m_ <= d))
-    points = np.stack([m_, s_, 0 * m_], axis=-1)
-    enter, leave = ROD.meet_line(points, UP)
     judge("rod-shadow", np.array_equal(enter <= leave, shadow))
 
 
@@ -466,8 +469,7 @@ def test_eccentricity(judge):
 
 def test_miss_conditions(judge):
     # As printed, m < r e throws away half of the lower ellipse.
-    m_, s_ = np.random.default_rng(7).uniform([-30, -35], [120, 35], (20_000, 2)).T
-    enter, leave = ROD.meet_line(np.stack([m_, s_, 0 * m_], axis=-1), UP)
+    m_, s_, enter, leave = upwards(7)
 
     def misses(least):
         """Tell whether all lines with |s| > r, m < least or m > d + r e miss."""
@@ -494,9 +496,8 @@ def test_filter_by_two_products(judge):
     radius = sp.symbols("R", positive=True)
     rectangle, shadow = 2 * radius * (d + 2 * radius * e), 2 * radius * d + sp.pi * radius**2 * e
     assert zero(rectangle - shadow - (4 - sp.pi) * radius**2 * e)
-    ms = np.random.default_rng(16).uniform([-70, -115], [160, 115], (200_000, 2))
-    missed = np.greater(*ROD.meet_line(np.insert(ms, 2, 0, axis=-1), UP))
-    m_, s_ = ms.T
+    m_, s_, *ends = upwards(16, (-70, -115), (160, 115), 200_000)
+    missed = np.greater(*ends)
     filtered = (np.abs(s_) > 25) | (m_ < -20) | (m_ > 110)
     judge("rod-filter", np.count_nonzero(filtered & missed) > 0.5 * np.count_nonzero(missed))
     left = np.mean(missed & ~filtered) * 230**2
@@ -516,8 +517,7 @@ def test_four_crossings(judge):
 
 def test_components(judge):
     # Entry by disc a where |m| <= k, else by the wall; exit by disc b where |d - m| <= k.
-    m_, s_ = np.random.default_rng(8).uniform([-20, -25], [110, 25], (20_000, 2)).T
-    enter, leave = ROD.meet_line(np.stack([m_, s_, 0 * m_], axis=-1), UP)
+    m_, s_, enter, leave = upwards(8, (-20, -25), (110, 25))
     k = 0.8 * np.sqrt(625 - s_**2)
     wall = [m_ * 120 / 90 + sign * np.sqrt(625 - s_**2) * 150 / 90 for sign in (-1, 1)]
     hit = enter <= leave
@@ -609,14 +609,12 @@ def test_promise_for_all_solids(judge):
     a, b, _, point, u = float_rods(10, 200)
     # A truncated cone by its definition: the radius grows with the share of the axis. The depth
     # below its wall is concave along lines, so that what is inside is an interval.
+    shares = np.linspace(-3, 3, 82)[:, None]
     for i in range(20):
-        cone, axis = Frustum(a[i], b[i], 0.2, 0.9), b[i] - a[i]
-        for enter, leave, p_, u_ in zip(*cone.meet_line(point, u), point, u, strict=True):
-            middle, half = ((enter + leave) / 2, leave - enter) if enter < leave else (0, 3)
-            out = p_ + (middle + half * np.linspace(-1, 1, 82))[:, None] * u_ - a[i]
-            share = out @ axis / (axis @ axis)
-            depth = 0.2 + 0.7 * share - np.linalg.norm(out - share[:, None] * axis, axis=-1)
-            assert np.all(np.diff(depth, 2) < 1e-12)
-            inside = (depth >= 0) & (share >= 0) & (share <= 1)
-            within = np.abs(np.linspace(-1, 1, 82)) < 0.5
-            assert np.array_equal(inside, within & (enter < leave))
+        out, axis = point[i] + shares * u[i] - a[i], b[i] - a[i]
+        share = out @ axis / (axis @ axis)
+        depth = 0.2 + 0.7 * share - np.linalg.norm(out - share[:, None] * axis, axis=-1)
+        assert np.all(np.diff(depth, 2) < 1e-12)
+        enter, leave = Frustum(a[i], b[i], 0.2, 0.9).meet_line(point[i], u[i])
+        inside = (depth >= 0) & (share >= 0) & (share <= 1)
+        assert np.array_equal(inside, (shares[:, 0] >= enter) & (shares[:, 0] <= leave))

@@ -10,17 +10,7 @@ import pytest
 from tests.audit.long import many
 from tests.structured_text import FunctionBlock
 from tunneller_lib.motion import polyline
-from tunneller_lib.motion.export import (
-    C_HEAD,
-    C_MACROS,
-    c99_code,
-    c99_types,
-    constant_rows,
-    line_c99,
-    line_text,
-    operations,
-    read_blocks,
-)
+from tunneller_lib.motion.export import line_c99, line_text, operations, read_blocks
 
 MOVES = 10_000
 EDGES = [
@@ -116,127 +106,7 @@ def test_line_in_c_of_a_hundred_thousand_moves_is_exact(tmp_path, compiler, part
         assert values.tolist() == in_parts(*move, parts)
 
 
-# ---- the translator -------------------------------------------------------------------------
-
-SAMPLE = """(* What a block may have. *)
-TYPE
-    T_Pair : STRUCT
-        nIn : DINT;
-        nBy : DINT; (* a field of a name that blocks have, too *)
-    END_STRUCT;
-    T_Shared : STRUCT
-        nCount : DINT;
-        aPair : ARRAY [0..1] OF T_Pair;
-    END_STRUCT;
-    T_Job : STRUCT
-@JOB    END_STRUCT;
-END_TYPE
-
-FUNCTION_BLOCK FB_Inner
-VAR_INPUT
-    nBy : DINT;
-END_VAR
-VAR_OUTPUT
-    nSum : DINT;
-END_VAR
-(* Two lines of a comment, of which the first one ends in DO
-   and the second one names nBy := nSum = nBy. *)
-nSum := nSum
-    + nBy;
-END_FUNCTION_BLOCK
-
-FUNCTION_BLOCK FB_Sample
-VAR_INPUT
-    nIn : DINT := 7; (* without a call of more *)
-    rIn : LREAL := -7.9;
-    bOn : BOOL;
-END_VAR
-VAR_OUTPUT
-    nBranch, nSum : DINT;
-    aOut : ARRAY [0..3] OF DINT;
-    rOut : LREAL;
-END_VAR
-VAR_EXTERNAL
-    job : T_Job;
-    both : T_Shared;
-END_VAR
-VAR
-    i, nFORM : DINT;
-    inner : FB_Inner;
-    pair : T_Pair;
-END_VAR
-IF NOT bOn AND nIn <> 3 THEN
-    nBranch := 1;
-ELSIF nIn = 3 OR
-        nIn > 100 THEN
-    nBranch := 2;
-ELSE
-    nBranch := 3;
-END_IF;
-i := 0;
-WHILE i < 5 AND nIn <> i DO
-    i := i + 1;
-END_WHILE;
-FOR nFORM := 3 TO 2 BY -1 DO
-    aOut[nFORM] := aOut[nFORM] + 10 * nSum + nFORM;
-    nSum := nSum + 1;
-END_FOR;
-FOR nFORM := 0 TO 1 DO
-    aOut[nFORM] := nFORM;
-END_FOR;
-inner(nBy := nIn + 1);
-bOn := (inner.nSum >= 8 AND TRUE) OR FALSE;
-rOut := ABS(DINT_TO_LREAL(TRUNC(rIn) MOD job.nFour)) * job.rSmall
-    + SQRT(MIN(MAX(job.aTable[i MOD 3], 0.25), 4.0))
-    - (ATAN(0.0) + ATAN2(0.0, 1.0) + SIN(0.0) + COS(0.0));
-both.nCount := both.nCount + inner.nSum;
-pair := both.aPair[0];
-pair.nBy := both.nCount;
-both.aPair[nSum - nSum + 1] := pair;
-END_FUNCTION_BLOCK
-"""
-RUN = """
-double run(int32_t *out, int32_t in, int32_t on, int32_t calls)
-{
-    static volatile T_Shared both;
-    FB_Sample sample = FB_SAMPLE_BEGIN;
-    if (in) sample.nIn = in;
-    for (; calls > 0; --calls) {
-        sample.bOn = on;
-        fb_sample(&sample, &both);
-    }
-    int32_t values[] = {sample.nBranch, sample.i, sample.bOn, sample.aOut[0], sample.aOut[1],
-                        sample.aOut[2], sample.aOut[3], both.aPair[1].nBy};
-    for (int k = 0; k < 8; ++k) out[k] = values[k];
-    return sample.rOut;
-}
-"""
-
-
-@pytest.fixture(scope="module")
-def sample():
-    """Return the sample's blocks."""
-    table = {"nFour": 4, "rSmall": 5e-05, "aTable": np.array([9.0, -1e300, 1.0])}
-    return read_blocks(SAMPLE.replace("@JOB", constant_rows(table)))
-
-
-@compilers
-def test_statements_do_in_c_what_they_say(tmp_path, compiler, sample):
-    texts = C_HEAD, C_MACROS, c99_types(sample), c99_code(sample), RUN
-    run = built(compiler, tmp_path, "\n".join(texts)).run
-    run.restype = ctypes.c_double
-    out = (ctypes.c_int32 * 8)()
-    small = 3 * 5e-05 - 1
-    # What came out, worked out by hand: i and the table's value stop at the input or at 5.
-    assert run(out, 0, 0, 1) == pytest.approx(small + 1.0)
-    assert list(out) == [1, 5, 1, 0, 1, 12, 3, 8]
-    assert run(out, 3, 0, 1) == pytest.approx(small + 2.0)
-    assert list(out) == [2, 3, 0, 0, 1, 12, 3, 12]
-    assert run(out, 101, 1, 1) == pytest.approx(small + 1.0)
-    assert list(out) == [2, 5, 1, 0, 1, 12, 3, 114]
-    assert run(out, 4, 1, 2) == pytest.approx(small + 0.5)
-    assert list(out) == [3, 4, 1, 0, 1, 44, 26, 129]
-
+# ---- the operations --------------------------------------------------------------------------
 
 COUNTED = """FUNCTION_BLOCK F
 WHILE n < nMany AND x > -1.0 DO
@@ -244,7 +114,7 @@ WHILE n < nMany AND x > -1.0 DO
        * c *)
     n := n + 1;
     IF x * y > 1.0 THEN
-        x := -x;
+        x := ABS(-x);
     ELSIF x + y > 2.0 THEN
         x := SQRT(x) /
             -(y);

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, plan
@@ -23,26 +24,17 @@ def counted(s, advance):
     profile = CIRCUIT.profile
     half = np.sqrt(machine.depth * (2 * radius - machine.depth))
     x = np.arange(-half, half, 2 * SPACING) + SPACING
-    before = profile.point(np.linspace(s - 0.15, s - STEP / 2, 100))
-    during = profile.point(np.linspace(s - STEP / 2, s + STEP / 2, 20))
-    low, high = during.min(axis=0) - radius, during.max(axis=0) + radius
+    ways = np.linspace(s - 0.15, s - STEP / 2, 100), np.linspace(s - STEP / 2, s + STEP / 2, 20)
+    low, high = profile.point(s) - radius - STEP, profile.point(s) + radius + STEP
     grid = [np.arange(a, b, SPACING) + SPACING / 2 for a, b in zip(low, high, strict=True)]
     points = np.stack(np.meshgrid(*grid), axis=-1).reshape(-1, 2)
     beyond = -profile.depth(*points.T)
     near = (beyond > machine.offset) & (beyond < radius)
-    points, beyond = points[near], beyond[near]
-    nearest = [
-        np.min([np.sum((points - centre) ** 2, axis=-1) for centre in way], axis=0)
-        for way in (before, during)
-    ]
-    volume = 0.0
-    for place in x:
-        square = radius**2 - place**2
-        earlier = radius**2 - (place - advance) ** 2 if advance else -1.0
-        new = (nearest[1] < square) & (nearest[0] > square)
-        new &= beyond > np.sqrt(max(earlier, 0.0))
-        volume += np.count_nonzero(new) * 2 * SPACING**3
-    return volume / STEP
+    before, during = (cKDTree(profile.point(way)).query(points[near])[0] for way in ways)
+    square = (radius**2 - x**2)[:, None]
+    earlier = np.maximum(radius**2 - (x - advance) ** 2, 0.0)[:, None] if advance else 0.0
+    new = (during**2 < square) & (before**2 > square) & (beyond[near] ** 2 > earlier)
+    return np.count_nonzero(new) * 2 * SPACING**3 / STEP
 
 
 @ADVANCES

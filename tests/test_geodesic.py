@@ -8,7 +8,6 @@ from mpmath import mp, mpf
 from numpy.polynomial.legendre import leggauss
 from scipy.integrate import solve_ivp
 
-from tests.audit.long import many
 from tests.shapes import ways_of
 from tunneller_lib.paths import (
     competing_geodesics,
@@ -40,25 +39,7 @@ def between(azimuth, other):
     return np.abs(np.remainder(azimuth - other + np.pi, 2 * np.pi) - np.pi)
 
 
-# Against direct solves in 30 digits: ends, Clairaut's constant and class are chosen, the turned
-# angle and the length follow as integrals.
-
-
 # Inverse and direct problem.
-
-
-@pytest.mark.parametrize("torus, n", [
-    (Torus(0.25, 1), 2500), (MACHINE, 2500), (Torus(2e3, 6e4), 2500), (Torus(1e-3, 0.1), 2500),
-    (RING, 1000),
-], ids=str)  # fmt: skip
-def test_geodesic_direct_ends_where_geodesic_inverse_was_told_to(torus, n):
-    p, q = random_pairs(torus, n)
-    found = geodesic_inverse(torus, p, q)
-    assert np.all(found.converged)
-    way = geodesic_direct(torus, p, found.azimuth1, found.length)
-    miss = np.linalg.norm(way.point[:, -1] - on_torus(torus, q), axis=-1)
-    assert np.max(miss) <= 1e-11 * torus.R
-    assert np.max(between(way.azimuth[:, -1], found.azimuth2)) <= 1e-10
 
 
 @every_torus
@@ -83,28 +64,6 @@ def test_geodesic_points_keep_clairauts_constant_and_unit_speed(torus):
         rate = rate + weight * (point[:, 3 + k : n - 3 + k] - point[:, 3 - k : n - 3 - k])
     rate = rate / (60 * found.length[:, None, None] / (n - 1))
     np.testing.assert_allclose(rate, way.tangent[:, 3:-3], atol=1e-8)
-
-
-# Against other paths.
-
-
-# Symmetries and limits.
-
-
-def test_geodesic_inverse_on_a_sphere_is_a_great_circle():
-    sphere = Torus(1e-9, 1)
-    p, q = np.random.default_rng(6).uniform(-1, 1, (2, 2000, 2)) * (1.2, 1.2)
-    found = geodesic_inverse(sphere, p, q)
-    start, stop = on_torus(sphere, p), on_torus(sphere, q)
-    sine = np.linalg.norm(np.cross(start, stop), axis=-1)
-    length = np.arctan2(sine, np.einsum("ni,ni->n", start, stop))
-    np.testing.assert_allclose(found.length, length, rtol=0, atol=1e-8)
-    # The tangent at either end points along the great circle, sin(length) times the unit vector.
-    way = found.points(2)
-    toward = stop - np.cos(length)[:, None] * start
-    onward = np.cos(length)[:, None] * stop - start
-    for k, direction in ((0, toward), (1, onward)):
-        np.testing.assert_allclose(way.tangent[:, k] * sine[:, None], direction, atol=1e-8)
 
 
 # Special ends.
@@ -180,6 +139,27 @@ def by_equations(torus, p, azimuth, length, n):
     return way.y
 
 
+def up_and_back(torus, phi, azimuth, start):
+    """Return c of a way from phi, and its theta and length from a start to its turn and back.
+
+    By integrals over x, phi = turn - x^2, which has no singularity left, in mpmath.
+    """
+    r, R = mpf(torus.r), mpf(torus.R)
+    c = (r + R * mp.cos(phi)) * abs(mp.sin(azimuth))
+    turn = mp.acos((c - r) / R)
+
+    def shape(x, power):
+        rho = r + R * mp.cos(turn - x * x)
+        below = 2 * R * mp.sin(turn - x * x / 2) * mp.sin(x * x / 2)  # rho - c
+        return R * rho**power * 2 * x / mp.sqrt(below * (rho + c))
+
+    end = mp.sqrt(turn - start)
+    peak = mp.sqrt(c / R)
+    legs = [0, *(peak * 10**k for k in range(20) if peak * 10**k < end), end]
+    turned, length = (2 * mp.quad(partial(shape, power=k), legs) for k in (-1, 1))
+    return c, c * turned, length
+
+
 @pytest.mark.parametrize("n", [1, 50])  # by numbers, and by arrays
 @pytest.mark.parametrize("torus", [MACHINE, RING, SPINDLE, Torus(1e5, 1), Torus(1e-99, 1)], ids=str)
 @pytest.mark.parametrize("size", [1e-44, 1e-46, 1e-100, 1e-150, 1e-160, 1e-200, 1e-300])
@@ -226,26 +206,16 @@ def test_geodesic_direct_solves_the_geodesic_equations(torus):
 @pytest.mark.parametrize("swings", [1, 2, 1001, 10**6, -(10**9)])
 def test_geodesic_direct_of_any_length_goes_on_by_half_swings(torus, phi, azimuth, swings):
     # After half a swing phi and the cosine of the azimuth are mirrored.
-    with mp.workdps(30):
-        r, R = mpf(torus.r), mpf(torus.R)
-        c = (r + R * mp.cos(phi)) * abs(mp.sin(azimuth))
-        assert c > r - R
-        turn = mp.acos((c - r) / R)
-
-        def shape(x, power):  # phi = turn - x^2, as in `direct_solve`
-            rho = r + R * mp.cos(turn - x * x)
-            below = 2 * R * mp.sin(turn - x * x / 2) * mp.sin(x * x / 2)
-            return R * rho**power * 2 * x / mp.sqrt(below * (rho + c))
-
-        legs = [0, mp.sqrt(turn) / 8, mp.sqrt(turn)]
-        turned, length = (2 * mp.quad(partial(shape, power=k), legs) for k in (-1, 1))
+    with mp.workdps(40):
+        c, turned, length = up_and_back(torus, phi, azimuth, 0)
+        assert c > torus.r - torus.R
         whole = swings * length
         turned = float(
-            swings * c * turned + c / (r + R * mp.cos(phi)) ** 2 * (float(whole) - whole)
+            swings * turned + c / (torus.r + torus.R * mp.cos(phi)) ** 2 * (float(whole) - whole)
         )
     way = geodesic_direct(torus, (0, phi), azimuth, float(whole))
     side = (-1) ** swings
-    rounding = 2e-15 * abs(swings) * max(1, float(length / R))
+    rounding = 2e-15 * abs(swings) * max(1, float(length / torus.R))
     theta, phi_end = way.position[-1]
     assert theta == pytest.approx(np.sign(azimuth) * turned, rel=1e-14, abs=rounding)
     assert phi_end == pytest.approx(side * phi, rel=0, abs=rounding + 1e-15)
@@ -256,41 +226,14 @@ def test_geodesic_direct_of_any_length_goes_on_by_half_swings(torus, phi, azimut
 @pytest.mark.parametrize("torus", [SPINDLE, MACHINE, Torus(1, 1)], ids=str)
 def test_geodesic_direct_turns_before_a_node(torus, azimuth):
     phi = 0.4
-    with mp.workdps(40):
-        r, R = mpf(torus.r), mpf(torus.R)
-        c = (r + R * mp.cos(phi)) * abs(mp.sin(azimuth))
-        turn = mp.acos((c - r) / R)
-
-        def shape(x, power):
-            rho = r + R * mp.cos(turn - x * x)
-            below = 2 * R * mp.sin(turn - x * x / 2) * mp.sin(x * x / 2)
-            return R * rho**power * 2 * x / mp.sqrt(below * (rho + c))
-
-        start = phi if np.cos(azimuth) > 0 else -phi  # at the node that lies ahead
-        end = mp.sqrt(turn - start)
-        peak = mp.sqrt(c / R)
-        legs = [0, *(peak * 10**k for k in range(20) if peak * 10**k < end), end]
-        turned, length = (2 * mp.quad(partial(shape, power=k), legs) for k in (-1, 1))
+    with mp.workdps(40):  # towards the node that lies ahead
+        _, turned, length = up_and_back(torus, phi, azimuth, phi if np.cos(azimuth) > 0 else -phi)
     way = geodesic_direct(torus, (0, phi), azimuth, float(length), 7)
     assert np.isfinite(way.position).all()
     theta, end = way.position[-1]
-    assert theta == pytest.approx(np.sign(azimuth) * float(c * turned), rel=1e-11)
+    assert theta == pytest.approx(np.sign(azimuth) * float(turned), rel=1e-11)
     assert end == pytest.approx(phi, rel=0, abs=5e-14)
     assert np.cos(way.azimuth[-1]) == pytest.approx(-np.cos(azimuth), rel=0, abs=1e-14)
-
-
-@every_torus
-@pytest.mark.parametrize("power", [-300, 300])
-def test_geodesic_direct_scales_with_the_torus(torus, power):
-    p, _ = random_pairs(torus, 100, seed=12)
-    azimuths = np.linspace(-3, 3, 100)
-    size = 2.0**power
-    way = geodesic_direct(torus, p, azimuths, 5 * torus.R, 4)
-    scaled = Torus(torus.r * size, torus.R * size)
-    far = geodesic_direct(scaled, p, azimuths, 5 * scaled.R, 4)
-    np.testing.assert_array_equal(far.position, way.position)
-    np.testing.assert_array_equal(far.azimuth, way.azimuth)
-    np.testing.assert_allclose(far.point / size, way.point, rtol=1e-14, atol=0)
 
 
 def test_neighbours_of_the_inner_equator_leave_it_by_its_curvature():
@@ -320,17 +263,6 @@ def test_a_way_wound_about_the_inner_equator_of_a_thin_ring_has_an_answer():
     ring, start, turn, end = Torus(1e4, 1), 3.141592653589771, 1.325, 1.956
     found = geodesic_inverse(ring, (0, start), (turn, end))
     assert 0 < found.length - (ring.r - ring.R) * turn < ring.R * (start - end)
-
-
-@pytest.mark.parametrize("ratio, gaps", [(0.99, (3e-6, 0.9)), (1e-6, (1e-5, -0.2))])
-def test_ways_of_half_a_turn_from_beside_a_node_have_an_answer(ratio, gaps):
-    node = np.arccos(-ratio)
-    ends = [np.copysign(node - abs(gap), gap) for gap in gaps]
-    turn = np.pi - 10.0 ** -np.arange(3, 13)
-    found = geodesic_inverse(
-        Torus(ratio, 1), (0, ends[0]), np.stack([turn, 0 * turn + ends[1]], axis=-1)
-    )
-    assert np.all(found.certified)
 
 
 @pytest.mark.parametrize("azimuth, step", [(0.0, 1), (np.pi, -1), (-np.pi, -1), (2 * np.pi, 1)])
@@ -381,20 +313,6 @@ def test_angle_turned_grows_with_the_unknown_at_the_rate_that_is_told(torus, u):
     for family in (geodesic_root.OUTSIDE, geodesic_root.PAST, geodesic_root.BEFORE):
         _, turned, rate, _ = ways_of(family, torus, 0.5, -0.3, (u - step, u, u + step))
         assert (turned[2] - turned[0]) / (2 * step) == pytest.approx(rate[1], rel=1e-6)
-
-
-@pytest.mark.parametrize("torus", [Torus(0.1, 0.9), Torus(1, 1), Torus(3, 1)])
-@pytest.mark.parametrize("apart", [0.3, 2.3, 3.1])
-def test_ends_however_near_the_outer_equator_have_an_answer(torus, apart):
-    """Past the conjugate point the turned angle hardly grows at first, and squares vanish."""
-    size = 10.0 ** -np.linspace(1, 305, many(26, 77))
-    for share in (0, 0.5, 1, -0.5, -1):
-        p = np.stack([np.zeros_like(size), size], axis=-1)
-        q = np.stack([np.full_like(size, apart), share * size], axis=-1)
-        found = geodesic_inverse(torus, p, q)
-        assert np.all(found.kind != "none")
-        level = geodesic_inverse(torus, (0, 0), (apart, 0))
-        np.testing.assert_allclose(found.length[size < 1e-17], level.length, rtol=1e-14)
 
 
 # Ends at the limits of the sheet.

@@ -1,6 +1,5 @@
 """The shortest geodesics against the tables of high-precision references."""
 
-import csv
 from collections import Counter
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 from mpmath import mp
 
 from tests.audit.long import many
-from tests.references import geodesic_sweep, torus_geodesics
+from tests.references import geodesic_sweep, tables, torus_geodesics
 from tests.references.geodesic_rivals import shortest_rival
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import Torus
@@ -16,15 +15,9 @@ from tunneller_lib.surfaces import Torus
 READS = ["tests/references/*"]
 
 
-def read(path):
-    with open(path, newline="") as file:
-        header, *rows = csv.reader(file)
-    return header, rows
-
-
-HEADER, ROWS = read(torus_geodesics.TABLE)
+HEADER, ROWS = tables.read(torus_geodesics.TABLE)
 COUNTS = Counter(row[0] for row in ROWS)
-SWEEP_HEADER, SWEEP = read(geodesic_sweep.TABLE)
+SWEEP_HEADER, SWEEP = tables.read(geodesic_sweep.TABLE)
 # Where the reduced length is smaller than that share of the length, the ends are nearly conjugate.
 DEGENERATE = geodesic_sweep.DEGENERATE
 

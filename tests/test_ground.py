@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import sympy
-from sympy.physics import mechanics
 
+from tests.controllers import job_with
+from tests.test_ground_coupling import ARM, AXES, CIRCUIT, LOOP, OILY, SIZES, planned
 from tunneller_lib.job import read_job
-from tunneller_lib.motion import Compressible, Loop, Push, follow, reference_axes
-from tunneller_lib.motion.arm import Arm, couplings
+from tunneller_lib.motion import Compressible, Push, follow, reference_axes
+from tunneller_lib.motion.arm import couplings
 from tunneller_lib.motion.both_joints import machine_of as joints_of
 from tunneller_lib.motion.both_joints import machine_slopes
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
@@ -26,15 +26,9 @@ READS = ["notebooks/reference.toml"]
 
 REFERENCE = Path(__file__).resolve().parents[1] / "notebooks" / "reference.toml"
 
-ARM = Arm(0.08, 0.80, head=30.0, beam=60.0)
 CONCRETE = Ground(20e6, 2.0, normal=0.5, ripple=0.3, ripple_frequency=12.0)
 MORTAR = replace(CONCRETE, energy=5e6)
 SOFT = replace(CONCRETE, energy=3e6)
-CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
-SIZES = usual_sizes(REFERENCE_MACHINE)
-AXES = axes_of(REFERENCE_MACHINE, SIZES)
-OILY = [Compressible(axis) for axis in AXES]
-LOOP = Loop(10.0, 5e-3, delay=1, feedforward=1.0)
 RAMP = np.stack([0.1 * (1 - np.cos(np.linspace(0, 3, 400))), np.linspace(0.3, 0.1, 400)], axis=-1)
 SLOPES = np.diff(RAMP, axis=0) / 5e-3
 
@@ -49,51 +43,27 @@ def machine_of(scale):
 # The arm
 
 
-def lagrange(theta_now, phi_now, theta_rate, phi_rate):
-    """Return accelerations under weight alone, by sympy.mechanics, of head and arm."""
-    t = mechanics.dynamicsymbols._t
-    theta, phi = mechanics.dynamicsymbols("theta phi")
-    frame = mechanics.ReferenceFrame("N")
-    # Theta turns about -y, downwards; phi about the turned z.
-    lifted = frame.orientnew("A", "Axis", (theta, frame.y))
-    swung = lifted.orientnew("B", "Axis", (phi, lifted.z))
-    centre = mechanics.Point("O")
-    centre.set_vel(frame, 0)
-    joint = centre.locatenew("J", ARM.r * lifted.x)
-    joint.v2pt_theory(centre, frame, lifted)
-    tip = joint.locatenew("C", ARM.R * swung.x)
-    tip.v2pt_theory(joint, frame, swung)
-    middle = joint.locatenew("M", ARM.R / 2 * swung.x)
-    middle.v2pt_theory(joint, frame, swung)
-    head = mechanics.Particle("head", tip, ARM.head)
-    about = ARM.beam * ARM.R**2 / 12
-    spread = mechanics.inertia(swung, 0, about, about)
-    beam = mechanics.RigidBody("beam", middle, swung, ARM.beam, (spread, middle))
-    for body, point in ((head, tip), (beam, middle)):
-        body.potential_energy = body.mass * 9.81 * point.pos_from(centre).dot(frame.z)
-    motion = mechanics.LagrangesMethod(mechanics.Lagrangian(frame, head, beam), [theta, phi])
-    motion.form_lagranges_equations()
-    now = {theta.diff(t): theta_rate, phi.diff(t): phi_rate, theta: theta_now, phi: phi_now}
-    mass = motion.mass_matrix.subs(now)
-    forcing = motion.forcing.subs(now)
-    return np.array((mass.LUsolve(forcing)).evalf(20).tolist(), dtype=float).ravel()
-
-
 @pytest.mark.parametrize("motion", [(0.3, 0.5, 0.7, -0.4), (-0.9, -0.6, -0.2, 0.5), (0, 0, 1, 1)])
-def test_arm_moves_as_an_independent_multibody_code_says(motion):
-    position, rate = np.array(motion[:2]), np.array(motion[2:])
-    torque = -ARM.weight(position) - np.array(couplings(ARM.moments, position[1], *rate))
-    found = torque / np.stack(ARM.inertias(position[1]))
-    assert found == pytest.approx(lagrange(*map(sympy.Float, motion)), rel=1e-9, abs=1e-9)
+def test_arm_moves_as_points_along_it_do(motion):
+    """By Lagrange's equations and differences of energies: a thousand points, and the head."""
+    theta, phi, lifting, swinging = motion
+    s = ARM.R * np.append((np.arange(1000) + 0.5) / 1000, 1.0)
+    mass = np.append(np.full(1000, ARM.beam / 1000), ARM.head)
 
+    def inertia(phi):
+        return mass @ (ARM.r + s * np.cos(phi)) ** 2
 
-def test_weight_loads_phi_by_up_to_half_of_theta():
-    corner = np.radians([-60, 40])
-    assert ARM.weight(corner)[1] == pytest.approx(-262, abs=0.5)
-    # The arm's lever is r + R/2: 541 N m with the head's, where (r + R)/2 gives 518.
-    assert -ARM.weight((0, 0))[0] == pytest.approx(9.81 * (30 * 0.88 + 60 * 0.48), rel=1e-12)
-    assert ARM.inertias(0)[0] == pytest.approx(40.3, abs=0.05)
-    assert ARM.inertias(np.radians(40))[0] == pytest.approx(25.2, abs=0.05)
+    def held(theta, phi):
+        return -9.81 * np.sin(theta) * (mass @ (ARM.r + s * np.cos(phi)))
+
+    h = 1e-5
+    change = (inertia(phi + h) - inertia(phi - h)) / (2 * h)
+    by_theta, by_phi = ((held(theta + a, phi + b) - held(theta - a, phi - b)) / (2 * h)
+                        for a, b in ((h, 0), (0, h)))  # fmt: skip
+    assert ARM.inertias(phi) == pytest.approx((inertia(phi), mass @ s**2), rel=1e-6)
+    assert ARM.weight((theta, phi)) == pytest.approx((by_theta, by_phi), rel=1e-5, abs=1e-5)
+    wanted = change * lifting * swinging, -change * lifting**2 / 2
+    assert couplings(ARM.moments, phi, lifting, swinging) == pytest.approx(wanted, rel=1e-5)
 
 
 # Both joints as one machine
@@ -145,18 +115,11 @@ def test_push_resists_each_joint_by_its_parts(rates):
 # The ground
 
 
-def lap(ground, **options):
-    """Return a plan of the reference machine in a ground, within the power of its head."""
-    limits = Limits(feed=0.1, acceleration=0.5, power=3000, valve=0.8, flow=SIZES.pump, axes=AXES,
-                    ground=ground)  # fmt: skip
-    return plan(CIRCUIT, limits, **({"tolerance": 1e-3} | options))
-
-
 def test_feed_keeps_the_power_of_the_head_and_the_oil_of_the_valves():
-    made = lap(CONCRETE)
+    made = planned(CONCRETE)
     power = CONCRETE.power(engaged_areas(CIRCUIT, made.places) * np.gradient(made.reached, 5e-3))
     assert power.max() == pytest.approx(3000, rel=1e-3)
-    assert lap(replace(CONCRETE, energy=40e6)).lap_time == pytest.approx(
+    assert planned(replace(CONCRETE, energy=40e6)).lap_time == pytest.approx(
         2 * made.lap_time, rel=0.03
     )
     # With all the power that one likes the axes' oil decides.
@@ -183,7 +146,7 @@ def test_loaded_axis_goes_as_fast_as_its_pressure_allows():
 def even_cut():
     """Return a plan in soft mortar whose even picks let no speed swing, and its cut."""
     even = replace(SOFT, ripple=0.0)
-    short = plan(CIRCUIT, replace(lap(even).limits, feed=0.12), tolerance=5e-3, rest=0.2)
+    short = plan(CIRCUIT, replace(planned(even).limits, feed=0.12), tolerance=5e-3, rest=0.2)
     return short, simulate(short, OILY, LOOP, shape=(40, 90), arm=ARM, ground=even)
 
 
@@ -210,7 +173,12 @@ def test_cut_says_what_it_used_of_power_valves_and_oil(even_cut):
     for name, command in zip(("theta", "phi"), done.track.command.T, strict=True):
         opened = found[f"valve of {name}"]
         assert opened.needs == np.abs(command).max() and opened.has == 1
-    assert 0 < found["oil in a tick"].needs < found["oil in a tick"].has == SIZES.pump
+    # What flows in is by how much the chambers grow.
+    chambers = [axis.linkage.volumes(q, axis.low, axis.high)
+                for axis, q in zip(AXES, done.track.position.T, strict=True)]  # fmt: skip
+    drawn = np.maximum(np.diff(np.concatenate(chambers)), 0).sum(axis=0) / short.tick
+    assert found["oil in a tick"].needs == pytest.approx(drawn.max(), rel=1e-3)
+    assert found["oil in a tick"].has == SIZES.pump > drawn.max()
     free = replace(short, limits=replace(short.limits, power=np.inf))
     assert "power in a second" not in {one.what for one in used(free, OILY, done, SIZES)}
 
@@ -265,7 +233,7 @@ def test_loads_leave_what_their_closed_forms_say(monkeypatch, scale, section, si
 
 
 def test_ground_holds_back_by_the_groove_that_is_really_cut():
-    made = lap(CONCRETE, tolerance=5e-3, rest=0.2)
+    made = planned(CONCRETE, tolerance=5e-3, rest=0.2)
     off = loads.held_back(made, OILY, [LOOP] * 2, CONCRETE)
     depth = REFERENCE_MACHINE.depth
     left = removed_volume(0.2, 1.0, depth + off) / removed_volume(0.2, 1.0, depth)
@@ -290,7 +258,7 @@ def test_usual_sizes_grow_as_similar_machines_do(scale):
 
 
 def test_capability_says_what_is_lacking_and_what_would_do():
-    made = lap(CONCRETE)
+    made = planned(CONCRETE)
     found = {margin.what: margin for margin in capability(made, OILY, LOOP, SIZES)}
     assert all(margin.enough for margin in found.values()) and len(found) == 9
     assert found["torque of theta"].has > 1.05 * found["torque of theta"].needs
@@ -306,41 +274,25 @@ def test_capability_says_what_is_lacking_and_what_would_do():
 # The job
 
 
-@pytest.fixture
-def job(tmp_path):
-    """Return a function that reads the reference job, with some of its text changed."""
-
-    def write(**changes):
-        text = REFERENCE.read_text()
-        for old, new in changes.items():
-            assert text.count(old) == 1, old
-            text = text.replace(old, new)
-        path = tmp_path / "job.toml"
-        path.write_text(text)
-        return read_job(path)
-
-    return write
-
-
-def test_table_of_hydraulics_changes_the_axes(job):
-    own = job(**{"# [hydraulics]        #": "[hydraulics]\nhead = 40\nlift_bore = 0.06\n#"})
+def test_table_of_hydraulics_changes_the_axes():
+    own = job_with(read_job(REFERENCE), hydraulics={"head": 40, "lift_bore": 0.06})
     assert own.sizes.head == 40 and own.sizes.lift.bore == 0.06 and own.arm.head == 40
     assert own.cylinders[0].linkage.bore == 0.06 and own.sizes.swing == SIZES.swing
 
 
 REFUSED = [
-    ({"gain = 10 ": "gain = 60 "},
+    ({"controller": {"gain": 60}},
      r"^\[controller\] gain of theta: needs 60 1/s and has [\d.]+ 1/s; a lower "
      r"\[controller\] gain, or \[hydraulics\] with more damping, "),
-    ({"# [hydraulics]        #": "[hydraulics]\nsupply = 4e5\n#"},
+    ({"hydraulics": {"supply": 4e5}},
      r"^\[hydraulics\] supply: must move the weight.*\. The cylinders' sizes are those of "),
-    ({"# [hydraulics]        #": "[hydraulics]\nlift_dead_length = 0.4\n#"},
+    ({"hydraulics": {"lift_dead_length": 0.4}},
      r"^\[hydraulics\] stroke: .* The cylinders' sizes .* plant = \"T0\" in \[controller\]"),
-    ({"ripple = 0.3": "ripple = 1.0"}, r"^\[ground\] ripple: must be from 0 to below 1; got 1"),
+    ({"ground": {"ripple": 1.0}}, r"^\[ground\] ripple: must be from 0 to below 1; got 1"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("changes", "sentence"), REFUSED)
-def test_machine_that_cannot_is_refused_with_its_table_and_what_would_do(job, changes, sentence):
+def test_machine_that_cannot_is_refused_with_its_table_and_what_would_do(changes, sentence):
     with pytest.raises(ValueError, match=sentence):
-        job(**changes).planned  # noqa: B018
+        job_with(read_job(REFERENCE), **changes).planned  # noqa: B018

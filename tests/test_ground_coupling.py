@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tunneller_lib.motion import Compressible, Loop, Push, follow
+from tunneller_lib.motion import Compressible, Loop, follow
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, face, plan
@@ -100,15 +100,6 @@ def test_front_is_how_much_more_a_further_short_move_takes():
         step = 1e-5 * turned / np.linalg.norm(turned)
         further = wall.front(np.stack([way[-1], way[-1] + step]), 0.2)[0]
         assert further == pytest.approx(area @ step, rel=0.05)
-
-
-def test_push_by_a_front_resists_motion_into_the_ground_alone():
-    ramp = np.stack([0.1 + 2e-4 * np.arange(41), 0.2 + 0 * np.arange(41)], axis=-1)
-    for sign, felt in ((1.0, True), (-1.0, False)):
-        push = Push(front=(sign * 2e4, 0.0), lever=(0.88, 0.80))
-        free, pushed = (follow(OILY, LOOP, ramp, slopes=np.diff(ramp, axis=0) / TICK, push=one)
-                        for one in (Push(), push))  # fmt: skip
-        assert (np.abs(free.position - pushed.position)[20:].max() > 1e-5) == felt
 
 
 # The step

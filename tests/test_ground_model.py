@@ -11,6 +11,10 @@ import pytest
 from scipy.optimize import brentq
 
 from tests.audit.long import many
+from tests.independent.section import BALL, centre
+from tests.independent.section import LARGE as R
+from tests.independent.section import SMALL as r
+from tests.independent.test_second_control import BEAM, BULK, HEAD, LIFT, SWING, oil
 from tests.test_ground_coupling import (
     ARM,
     AXES,
@@ -23,64 +27,26 @@ from tests.test_ground_coupling import (
     planned,
 )
 from tunneller_lib.motion import follow
-from tunneller_lib.surfaces import REFERENCE_MACHINE
 
-HEAD, BEAM, WEIGHT = 30.0, 60.0, 9.81
-SUPPLY, TANK, BULK, HOSE = 160e5, 3e5, 1e9, 5e-5
+WEIGHT, SUPPLY, TANK = 9.81, 160e5, 3e5
 FLOW = 4e-3 / 60 / math.sqrt(35e5)
 LEAK, LAG = 1e-13, 4e-3
-r, R, BALL = 0.08, 0.80, 0.20
+FRICTION, DAMPING = (40.0, 20.0), [axis.damping for axis in AXES]
 STEPS = 100  # of a tick
 
 
-class Cylinder:
-    """A joint's cylinders between two pivots: what they hold and give, by differences of lengths.
+def opening(joint, angle, rate, load, damping):
+    """Return the spool of a steady rate, where the pressures balance load and friction."""
+    (plus, _), (minus, _) = oil(joint, angle)
+    high, low = (SUPPLY, TANK) if rate > 0 else (TANK, SUPPLY)
+    sign = math.copysign(1.0, rate)
 
-    Either one, or two, cross-connected, the second of which is the mirror image.
-    """
+    def excess(spool):
+        first = high - sign * (plus * rate / (FLOW * spool)) ** 2
+        second = low + sign * (minus * rate / (FLOW * spool)) ** 2
+        return plus * first - minus * second - load - damping * rate
 
-    def __init__(self, linkage, low, high, friction, damping):
-        self.rods = [(1.0, linkage)] + ([(-1.0, linkage)] if linkage.pair else [])
-        self.ends = [sorted((self.length(s, k, low), self.length(s, k, high)))
-                     for s, k in self.rods]  # fmt: skip
-        self.friction, self.damping = friction, damping
-        self.bore = math.pi / 4 * linkage.bore**2
-        self.ring = self.bore - math.pi / 4 * linkage.rod**2
-
-    def length(self, side, linkage, angle):
-        turned = linkage.mounting + side * linkage.sense * angle
-        along = linkage.a - linkage.b * math.cos(turned)
-        return math.hypot(along, linkage.b * math.sin(turned))
-
-    def sides(self, angle):
-        """Return both sides' displacements by the angle, in m^3/rad, and volumes, in m^3."""
-        plus = minus = plus_volume = minus_volume = 0.0
-        for (side, linkage), (shortest, longest) in zip(self.rods, self.ends, strict=True):
-            h = 1e-4
-            reach = self.length(side, linkage, angle)
-            lever = (self.length(side, linkage, angle + h)
-                     - self.length(side, linkage, angle - h)) / (2 * h)  # fmt: skip
-            extended = self.bore * abs(lever), self.bore * (reach - shortest)
-            drawn = self.ring * abs(lever), self.ring * (longest - reach)
-            first, second = (extended, drawn) if lever > 0 else (drawn, extended)
-            plus, plus_volume = plus + first[0], plus_volume + first[1]
-            minus, minus_volume = minus + second[0], minus_volume + second[1]
-        return plus, minus, plus_volume + HOSE, minus_volume + HOSE
-
-    def opening(self, angle, rate, load):
-        """Return the spool of a steady rate, where the pressures balance load and friction."""
-        plus, minus, _, _ = self.sides(angle)
-
-        def excess(spool):
-            if rate > 0:
-                first = SUPPLY - (plus * rate / (FLOW * spool)) ** 2
-                second = TANK + (minus * rate / (FLOW * spool)) ** 2
-            else:
-                first = TANK + (plus * rate / (FLOW * spool)) ** 2
-                second = SUPPLY - (minus * rate / (FLOW * spool)) ** 2
-            return plus * first - minus * second - load - self.damping * rate
-
-        return math.copysign(brentq(excess, 1e-4, 10.0, xtol=1e-12), rate) if rate else 0.0
+    return sign * brentq(excess, 1e-4, 10.0, xtol=1e-12) if rate else 0.0
 
 
 def lost(pressure):
@@ -110,20 +76,11 @@ class Roof:
 
 def own_run(ground, values, slopes, states, commands, way):
     """Return positions and mean forces of ticks from states on, in ground that was cut on a way."""
-    theta, phi = (Cylinder(axis.linkage, axis.low, axis.high, friction, axis.damping)
-                  for axis, friction in zip(AXES, (40.0, 20.0), strict=True))  # fmt: skip
-    height = REFERENCE_MACHINE.height
-
-    def centre(q):
-        reach = r + R * math.cos(q[1])
-        return np.array([reach * math.cos(q[0]), R * math.sin(q[1]),
-                         height - reach * math.sin(q[0])])  # fmt: skip
-
     roof = Roof()
     middle = np.zeros(3)
-    middle[0] = centre(way[-1])[0]
+    middle[0] = centre(*way[-1])[0]
     for q in way:
-        roof.cut(centre(q) - middle)
+        roof.cut(centre(*q) - middle)
     (a, v, p1, p2, x), (b, w, p3, p4, y) = states
     waiting = commands
     h = TICK / STEPS
@@ -131,17 +88,17 @@ def own_run(ground, values, slopes, states, commands, way):
     force = 0.0
     for wanted, slope in zip(values, slopes, strict=True):
         openings, waiting = waiting, [
-            joint.opening(at, LOOP.gain * (to - at) + rate, load)
-            for joint, at, to, rate, load in (
-                (theta, a, wanted[0], slope[0], -WEIGHT * (HEAD * (r + R) + BEAM * (r + R / 2))
-                 * math.cos(a)),
-                (phi, b, wanted[1], slope[1], 0.0),
+            opening(joint, at, LOOP.gain * (to - at) + rate, load, damping)
+            for joint, at, to, rate, load, damping in zip(
+                (LIFT, SWING), (a, b), wanted, slope,
+                (-WEIGHT * (HEAD * (r + R) + BEAM * (r + R / 2)) * math.cos(a), 0.0),
+                DAMPING, strict=True,
             )
         ]  # fmt: skip
         total = 0.0
+        (d1, vol1), (d2, vol2) = oil(LIFT, a).tolist()  # it hardly changes in a tick
+        (d3, vol3), (d4, vol4) = oil(SWING, b).tolist()
         for _ in range(STEPS):
-            d1, d2, vol1, vol2 = theta.sides(a)
-            d3, d4, vol3, vol4 = phi.sides(b)
             x += h / LAG * (openings[0] - x)
             y += h / LAG * (openings[1] - y)
             pressures = []
@@ -168,17 +125,17 @@ def own_run(ground, values, slopes, states, commands, way):
             move = np.array([[-reach * math.sin(a), -R * s * math.cos(a)], [0.0, R * c],
                              [-reach * math.cos(a), R * s * math.sin(a)]])  # fmt: skip
             speed = move @ (v, w)
-            place = centre((a, b)) - middle
+            place = centre(a, b) - middle
             outward = np.array([0.0, *place[1:]]) / math.hypot(*place[1:])
             pushed = -force * (speed / np.linalg.norm(speed) + ground.normal * outward) @ move
-            rub = [joint.friction * math.tanh(rate / 2e-3) + joint.damping * rate
-                   for joint, rate in ((theta, v), (phi, w))]  # fmt: skip
+            dry = np.multiply(FRICTION, np.tanh([v / 2e-3, w / 2e-3]))
+            rub = dry + np.multiply(DAMPING, (v, w))
             v += h / about * (d1 * p1 - d2 * p2 - rub[0] + fall * math.cos(a) - change * v * w
                               + pushed[0])  # fmt: skip
             w += h / second * (d3 * p3 - d4 * p4 - rub[1] - sag + change * v * v / 2 + pushed[1])
             a += h * v
             b += h * w
-            force = ground.energy * roof.cut(centre((a, b)) - middle) / h / ground.pick_speed
+            force = ground.energy * roof.cut(centre(a, b) - middle) / h / ground.pick_speed
             total += force / STEPS
         positions.append((a, b))
         forces.append(total)
@@ -201,6 +158,6 @@ def test_cut_goes_as_an_independent_model_with_tiny_steps_says(normal):
         [made.entry.slopes[-first:], made.slopes])[: len(track.command)], arm=ARM)  # fmt: skip
     without = CIRCUIT.overbreak(free.position[start + 1 :])
     held_back = np.abs(ours - without)
-    assert held_back[-1] > 7e-4  # m
+    assert held_back[-1] > (7e-4 if normal else 2e-4)  # m
     assert np.abs(ours - theirs).max() < 0.01 * held_back.max()
     assert front.force(track)[start:].mean() == pytest.approx(forces.mean(), rel=0.01)

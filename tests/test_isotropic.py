@@ -51,6 +51,14 @@ def test_plane_azimuth_is_the_one_that_made_the_plane(half_angle):
     np.testing.assert_allclose(found, np.broadcast_to(azimuth, (50, 40)), atol=1e-11)
 
 
+def test_top_circle_holds_the_points_of_a_cones_planes():
+    axis = directions(RNG, 30)
+    centre, radius = top_circle(axis, 0.4)
+    for azimuth in (0.3, 2.0, 4.0):
+        place = plane_to_point(*cone_planes((1, 2, 3), axis, 0.4, azimuth))[:, :2]
+        np.testing.assert_allclose(np.linalg.norm(place - centre, axis=-1), radius, rtol=1e-9)
+
+
 def test_top_circle_refuses_a_cone_with_the_plane_that_has_no_point():
     with pytest.raises(ValueError, match=r"^axis: no plane .* \(0, 0, -1\); got one\.$"):
         top_circle((0.0, 0.8, -0.6), np.arcsin(0.6))

@@ -1,6 +1,6 @@
 """Jets against mpmath, in other variables, and what they refuse."""
 
-from operator import iadd
+import operator
 
 import numpy as np
 import pytest
@@ -24,15 +24,6 @@ FUNCTIONS = {
 }
 
 
-class Numpy:
-    """Numpy's functions under mpmath's names."""
-
-    atan = np.arctan
-
-    def __getattr__(self, name):
-        return getattr(np, name)
-
-
 def exact(function, x, y, every):
     """Return derivatives by 60-digit differences in mpmath."""
     with mp.workdps(60):
@@ -45,8 +36,8 @@ def exact(function, x, y, every):
 @pytest.mark.parametrize("point", [(0.7, 0.4), (0.05, 1.3)])
 def test_jet_has_the_derivatives_of_mpmath(name, point):
     function = FUNCTIONS[name]
-    four = function(Numpy(), *jet_variables(*point))
-    five = function(Numpy(), *jet_variables(*point, order=5))
+    four = function(np, *jet_variables(*point))
+    five = function(np, *jet_variables(*point, order=5))
     every = exponents(5)
     expected = exact(function, *point, every)
     found = np.array([five.derivative(i, j) for i, j in every])
@@ -63,7 +54,7 @@ def test_jet_keeps_its_digits_at_any_scale(scale):
         return m.sqrt((x / scale) ** 2 + (y / scale) ** 2 + 1)
 
     expected = exact(lambda m, a, b: m.sqrt(a**2 + b**2 + 1), 0.3, -0.8, exponents(4))
-    jet = function(Numpy(), *jet_variables(0.3 * scale, -0.8 * scale))
+    jet = function(np, *jet_variables(0.3 * scale, -0.8 * scale))
     found = [jet.derivative(i, j) * scale ** (i + j) for i, j in exponents(4)]
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-13)
 
@@ -80,13 +71,10 @@ def test_jet_takes_numbers_and_arrays_on_either_side():
 def test_points_of_jets_broadcast_as_arrays_do():
     x, y = jet_variables(0.4, 0.9)
     step = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
-    for one in (x * step, step * x, x + step, x / step, np.hypot(x, y + step)):
-        assert one.shape == (2, 3)
+    assert np.hypot(x, y + step).shape == (2, 3)
     for k in np.ndindex(2, 3):
         np.testing.assert_array_equal((x * y * step).c[:, *k], (x * y * step[k]).c)
         np.testing.assert_array_equal((step - x).c[:, *k], (step[k] - x).c)
-    row, _ = jet_variables(np.arange(1.0, 4.0), 0.0)
-    np.testing.assert_array_equal((x * (row + step)).c[:, 1], (x * (row + step[1])).c)
     fifteen = np.arange(15.0)  # as many points as coefficients
     np.testing.assert_array_equal((x * fifteen).derivative(1, 0), fifteen)
 
@@ -106,7 +94,7 @@ def test_whole_powers_are_smooth_at_zero_and_others_are_not():
         (lambda x: x > 0, "greater"),
         (np.add.reduce, "add.reduce"),
         (lambda x: np.sin(x, where=True), "sin with where="),
-        (lambda x: iadd(np.zeros(()), x), "add with out="),
+        (lambda x: operator.iadd(np.zeros(()), x), "add with out="),
     ],
 )
 def test_functions_out_of_reach_are_refused(call, got):
@@ -117,14 +105,10 @@ def test_functions_out_of_reach_are_refused(call, got):
 def test_operators_in_place_make_another_jet():
     x, y = jet_variables([0.3, 0.5], [1.0, 2.0])
     kept = x.c.copy()
-    made = x
-    made += y
-    made *= 2
-    made -= 1.5
-    made /= y
-    made **= 2
-    np.testing.assert_array_equal(made.c, ((((x + y) * 2 - 1.5) / y) ** 2).c)
-    np.testing.assert_array_equal(x.c, kept)
+    for name in ("add", "sub", "mul", "truediv", "pow"):
+        made = getattr(operator, f"i{name}")(x, y)
+        np.testing.assert_array_equal(made.c, getattr(operator, name)(x, y).c)
+        np.testing.assert_array_equal(x.c, kept)
 
 
 @given(st.integers(0, 10_000), st.sampled_from([1e-5, 1.0, 1e5]), st.sampled_from([4, 5]))

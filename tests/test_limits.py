@@ -1,6 +1,6 @@
 """Limits that docstrings allow, drawn on purpose: at each, each pair of them, and next to them.
 
-A row is a function at its limits, as data, and what its docstring promises there, in numbers.
+Each test asks what a docstring promises there, in numbers.
 """
 
 import math
@@ -10,50 +10,17 @@ import pytest
 from mpmath import mp, mpf
 
 from tests.foot_lengths import length_of_feet
-from tunneller_lib.envelopes import recognise
-from tunneller_lib.envelopes.families import moving_cone, screwing
+from tests.shapes import ends_at_limits
 from tunneller_lib.paths import CHORD_PATHS, geodesic_inverse, path_length, project_chord
 from tunneller_lib.surfaces import Rod, Torus
-
-ROWS = {}
-
-
-def row(*limits):
-    """Return a decorator of a promise, to be asked at each of these limits."""
-
-    def listed(promise):
-        name = promise.__name__
-        ROWS.update({f"{name}, {limit}": (promise, limit) for limit in limits})
-        return promise
-
-    return listed
-
-
-@pytest.mark.parametrize("name", ROWS)
-def test_limit_keeps_the_promise(name):
-    promise, limit = ROWS[name]
-    promise(limit)
-
 
 # Geodesics: every pair of ends at the limits of the sheet and of their turn, on every torus.
 
 RATIOS = 1e-100, 1e-15, 1e-4, 0.1, 0.5, 0.99999, 1 - 1e-12, 1, 1 + 1e-12, 1.0001, 1.5, 3, 1e4, 1e100
 
 
-def ends_at_limits(torus):
-    """Return ends p, q (n, 2): near the outer equator, near nodes or the inner equator, level."""
-    rim = math.acos(max(-torus.r / torus.R, -1))
-    a = np.array([0, 1e-300, 1e-30, 1e-9, 0.3, *(rim - np.array([0.5, 1e-2, 1e-4, 1e-9]))])
-    conjugate = math.pi / math.sqrt(1 + torus.r / torus.R)
-    beside = conjugate * (1 + np.array([-1e-9, 1e-9]))
-    turn = np.array([0, 5e-324, 1e-17, 1e-9, 1, *beside, 2.8, math.pi - 1e-9, math.pi])
-    a, b, turn = np.meshgrid(a, [*a, *-a[1:]], turn)
-    p, q = np.stack([0 * a, a], axis=-1), np.stack([turn, b], axis=-1)
-    return p.reshape(-1, 2), q.reshape(-1, 2)
-
-
-@row(*RATIOS)
-def geodesic_inverse_answers_all_ends_and_no_simple_way_is_shorter(ratio):
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_geodesic_inverse_answers_all_ends_and_no_simple_way_is_shorter(ratio):
     torus = Torus(ratio, 1)
     p, q = ends_at_limits(torus)
     found = geodesic_inverse(torus, p, q)
@@ -75,8 +42,8 @@ def geodesic_inverse_answers_all_ends_and_no_simple_way_is_shorter(ratio):
     np.testing.assert_allclose(back.length, found.length, rtol=3e-14, atol=2e-13)
 
 
-@row(*(ratio for ratio in RATIOS if ratio < 1))
-def points_of_a_geodesic_end_where_it_does(ratio):
+@pytest.mark.parametrize("ratio", [ratio for ratio in RATIOS if ratio < 1])
+def test_points_of_a_geodesic_end_where_it_does(ratio):
     torus = Torus(ratio, 1)
     p, q = ends_at_limits(torus)
     found = geodesic_inverse(torus, p, q)
@@ -84,8 +51,8 @@ def points_of_a_geodesic_end_where_it_does(ratio):
     np.testing.assert_allclose(end, torus.point(*q.T), rtol=0, atol=2e-12)
 
 
-@row(1e3, -1e8, 1e16, 3e22, 1e100)
-def far_angles_of_geodesics_are_reduced_exactly(far):
+@pytest.mark.parametrize("far", [1e3, -1e8, 1e16, 3e22, 1e100])
+def test_far_angles_of_geodesics_are_reduced_exactly(far):
     torus = Torus(0.1, 1)
     with mp.workdps(130):
         turn = float((mpf(far) - mpf(0.2) + mp.pi) % (2 * mp.pi) - mp.pi)
@@ -103,8 +70,8 @@ CORNERS = [
 ]  # fmt: skip
 
 
-@row(*CORNERS)
-def length_of_the_projected_chord_is_right_to_1e_9_and_its_arcs_are_equal(case):
+@pytest.mark.parametrize("case", CORNERS)
+def test_length_of_the_projected_chord_is_right_to_1e_9_and_its_arcs_are_equal(case):
     ratio, *ends = case
     torus, (p, q) = Torus(ratio, 1), np.radians(ends)
     expected = length_of_feet(torus, p, q)
@@ -119,24 +86,11 @@ def length_of_the_projected_chord_is_right_to_1e_9_and_its_arcs_are_equal(case):
 # Lines and solids without thickness, of needles, and with one direction for all.
 
 
-@row(1e3, 1e9, 1e15)
-def needle_seen_end_on_is_met_to_16_eps_of_its_length(length):
+@pytest.mark.parametrize("length", [1e3, 1e9, 1e15])
+def test_needle_seen_end_on_is_met_to_16_eps_of_its_length(length):
     """Along the axis the ends are known: lines through the cap's inside, in whole numbers."""
     rod = Rod((0, 0, 0), (0, 3 * length, 4 * length), 5)
     p = np.array([[k, 4.0 * j, -3.0 * j] for k in (-2, 0, 3) for j in (-0.5, 0, 0.5)])
     enter, leave = rod.meet_line(p, (0, 3, 4))
     np.testing.assert_allclose(enter, 0, atol=16 * np.finfo(float).eps * length)
     np.testing.assert_allclose(leave, length, rtol=16 * np.finfo(float).eps)
-
-
-# Cones in windows of any size: the half-angle that is given is asked for.
-
-
-@row(1.0, 1e-1, 1e-2, 1e-3)
-def cone_is_told_from_one_of_another_half_angle(size):
-    surface = moving_cone(screwing(1.0, 0.4, 0.5), 0.3)
-    u, v = np.meshgrid(3.1 + size * np.linspace(-0.5, 0.5, 5),
-                       0.3 + size * np.linspace(-0.5, 0.5, 6))  # fmt: skip
-    told = {angle: recognise(surface, u, v, "cone", half_angle=angle, model="space").verdict
-            for angle in (0.3, 0.31)}  # fmt: skip
-    assert told[0.3] == "is" and told[0.31] != "is"

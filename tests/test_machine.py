@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.shapes import HIGH, LOW
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Machine
@@ -59,25 +60,6 @@ def test_requirements_are_necessary_and_sufficient(machine, a):
     assert all(need.met for need in needed) == reaches(machine, egg)
 
 
-@settings(max_examples=200)
-@given(machines, st.floats(0.3, 0.6))
-def test_sine_of_theta_grows_all_the_way_from_crown_to_floor(machine, a):
-    # The step by which the inequalities are sufficient (`Machine.requirements`).
-    bend, width, crown, floor = machine.requirements(Egg(a))
-    if not (bend.met and width.met and crown.met and floor.met):
-        return
-    profile = Egg(a).offset(machine.offset)
-    for arc, k in zip(profile.arcs, range(4), strict=True):
-        s = np.linspace(profile.blends[k], profile.blends[k + 1], 50)[1:-1]
-        y, z = profile.point(s).T
-        turned = profile.normal(s)[:, 0] * arc.radius  # y - y0
-        assert np.all(arc.radius * np.abs(y) <= machine.R * np.abs(turned) * (1 + 1e-12))
-    left = np.linspace(profile.blends[1] / 2, (profile.blends[2] + profile.blends[3]) / 2, 400)
-    y, z = profile.point(left).T
-    sine = (machine.height - z) / (machine.r + np.sqrt(machine.R**2 - y**2))
-    assert np.all(np.diff(sine) > 0) and np.max(np.abs(sine)) <= 1
-
-
 def test_requirements_of_the_reference_machine_hold():
     needed = REFERENCE_MACHINE.requirements(EGG)
     assert [str(need).split(",")[0] for need in needed] == ["bend", "width", "crown", "floor"]
@@ -98,15 +80,10 @@ def test_check_names_the_inequality_that_fails(name):
         cutting_circuit(machine, EGG)
 
 
-@pytest.mark.parametrize("position, within", [
-    ((0, 0), True),
-    ((REFERENCE_MACHINE.theta_min, REFERENCE_MACHINE.phi_max), True),
-    ((REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_min), True),
-    ((REFERENCE_MACHINE.theta_max + 1e-12, 0), False),
-    ((0, REFERENCE_MACHINE.phi_min - 1e-12), False),
-])  # fmt: skip
-def test_within_limits_includes_the_limits(position, within):
-    assert REFERENCE_MACHINE.within_limits(position) == within
+def test_within_limits_includes_the_limits():
+    assert REFERENCE_MACHINE.within_limits([(0, 0), LOW, HIGH]).all()
+    beyond = [(HIGH[0] + 1e-12, 0), (0, LOW[1] - 1e-12)]
+    assert not REFERENCE_MACHINE.within_limits(beyond).any()
 
 
 def test_heights_are_where_crown_and_floor_are_just_reached():

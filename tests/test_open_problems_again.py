@@ -1,110 +1,16 @@
 """Problems 15 and 30 once more, by who doubts the proofs: random solutions of the equations.
 
-First each identity of the proofs is derived in complex numbers, where contact along a conic is one
-derivation. Then graphs that solve the document's equations are made from random data as power
-series, with no use of the proofs, and seen in space: one counterexample would do.
+Graphs that solve the document's equations are made from random data as power series, with no use of
+the proofs, and seen in space: one counterexample would do.
 """
 
 import numpy as np
 import pytest
-import sympy as sp
-from mpmath import mp
 from scipy.integrate import solve_ivp
 
 from tests.audit.long import many
 from tests.series_open import Equations, series, solved
 from tunneller_lib.envelopes.isotropic import contact_point, normal
-
-# ---- by complex numbers: another way to each identity ------------------------------------------
-
-z, conj, E, tau, rho = sp.symbols("z conj E tau rho")  # z = x + i y; E = exp(i a), the direction
-JET = {(j, k): sp.Symbol(f"f{j}{k}") for j in range(6) for k in range(6 - j)}  # by z and conj
-
-
-def derived(expression, of_z, of_conj, of_E):
-    """Return a derivation of an expression, by what it makes of z, conj and E."""
-    total = of_z * expression.diff(z) + of_conj * expression.diff(conj) + of_E * expression.diff(E)
-    for (j, k), symbol in JET.items():
-        if symbol in expression.free_symbols:
-            total += expression.diff(symbol) * (of_z * JET[j + 1, k] + of_conj * JET[j, k + 1])
-    return total
-
-
-def ahead(expression):
-    return derived(expression, E, 1 / E, 0)
-
-
-def aside(expression):
-    return derived(expression, sp.I * E, -sp.I / E, 0)
-
-
-def by_angle(expression):
-    return derived(expression, 0, 0, sp.I * E)
-
-
-p = 1 + z * conj
-xe = (conj * E + z / E) / 2
-xw = sp.I * (conj * E - z / E) / 2
-kappa = 2 * (tau - xw) / p
-few = by_angle(ahead(ahead(JET[0, 0]))) / 2
-q = p * ahead(ahead(ahead(JET[0, 0]))) + 6 * (tau - xw) * few
-
-
-def once_round(expression):
-    """Return the derivative by the angle along the conic's circle, on which E turns with z."""
-    return rho * ahead(expression) + by_angle(expression)
-
-
-def same(left, right):
-    """Tell whether two expressions agree at random complex places, in 50 digits."""
-    symbols = sorted(left.free_symbols | right.free_symbols, key=str)
-    values = sp.lambdify(symbols, [left, right], "mpmath")
-    rng = np.random.default_rng(30)
-    with mp.workdps(50):
-        for _ in range(3):
-            at = [mp.mpc(*pair) for pair in rng.uniform(0.5, 1.5, (len(symbols), 2))]
-            one, other = values(*at)
-            if abs(one - other) > mp.mpf(10) ** -44 * (1 + abs(one)):
-                return False
-    return True
-
-
-def test_contact_along_a_conic_is_one_derivation():
-    by_rho = {tau: xw + p / (2 * rho)}  # (9)
-    assert same(once_round(kappa).subs(by_rho), sp.Integer(0))
-    # On the conic z''' + z' = 0: what the graph leaves there is (11), and its derivative (12).
-    first = once_round(JET[0, 0])
-    eleven = once_round(once_round(first)) + first
-    assert same(eleven, (rho**3 * q / p).subs(by_rho))
-    twelve = rho**3 * (rho * ahead(q) + by_angle(q)) / p + rho**4 * q * ahead(1 / p)
-    assert same(once_round(eleven), twelve.subs(by_rho))
-
-
-def test_identity_of_multiple_conics():
-    qa = by_angle(q)
-    right = 3 * aside(q) + (6 * (xw - 2 * tau) * q + 4 * xe * qa + 24 * (1 + tau**2) * few) / p
-    assert same(ahead(qa) + kappa * by_angle(qa), right)
-
-
-def test_identities_of_the_converses():
-    turn = sp.Symbol("turn")
-
-    def along(expression):  # the field's own curve, on which E turns by `turn`
-        return derived(expression, E, 1 / E, sp.I * E * turn)
-
-    lam = ahead(ahead(JET[0, 0]))
-    third = ahead(lam)
-    assert same(along(lam), third + 2 * turn * few)
-    # grad f - lambda x as a complex number: f_ew turns it across, a change of lambda to the origin.
-    c = 2 * JET[0, 1] - lam * z
-    assert same(along(c), sp.I * E * few - (third + 2 * turn * few) * z)
-    radius = p * lam / 2 + JET[0, 0] - z * JET[1, 0] - conj * JET[0, 1]
-    assert same(along(radius), p * third / 2 + (p * turn - xw) * few)
-    cylinders = q.subs(tau, 0)
-    assert same(along(2 * radius), cylinders + 2 * few * (2 * xw + p * turn))
-
-
-# ---- random solutions --------------------------------------------------------------------------
 
 ARC = np.linspace(-0.02, 0.02, 9)  # along an integral curve, in the model
 SEEDS = range(many(4, 150))

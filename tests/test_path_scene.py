@@ -29,34 +29,17 @@ def test_scene_of_a_chord_has_a_dot_and_a_normal_for_each_point(geodesic):
     assert (share(picture, "geodesic") > 1e-4) == geodesic
 
 
-@pytest.fixture(scope="module")
-def entire():
-    """Return a torus, its picture, the letters in it, and the points of its sheets."""
-    letters, sheets, shoot, surface = [], [], scene.shoot, scene.surface
-
-    def shot(plotter, **view):
-        letters.append(view["letters"])
-        return shoot(plotter, **view)
-
-    torus = Torus(0.1, 0.8)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(scene, "shoot", shot)
-        patch.setattr(scene, "surface", lambda points: sheets.append(points) or surface(points))
-        return torus, entire_torus_picture(torus), letters, sheets
-
-
-def test_entire_torus_shows_its_inner_sheet_on_the_right_only(entire):
-    picture = entire[1]
+def test_entire_torus_shows_its_inner_sheet_on_the_right_only_and_names_its_axis(monkeypatch):
+    """The sheet lies within the tube, the axis' letter beyond the node's."""
+    torus, letters, sheets, shoot, surface = Torus(0.1, 0.8), {}, [], scene.shoot, scene.surface
+    shot = lambda plotter, **view: letters.update(view["letters"]) or shoot(plotter, **view)  # noqa: E731
+    monkeypatch.setattr(scene, "shoot", shot)
+    monkeypatch.setattr(scene, "surface", lambda points: sheets.append(points) or surface(points))
+    picture = entire_torus_picture(torus)
     middle = picture.shape[1] // 2
     halves = [share(half, "inner sheet") for half in (picture[:, :middle], picture[:, middle:])]
     assert halves[0] < 1e-3 < 0.01 < halves[1]
-
-
-def test_axis_is_named_at_the_end_of_the_node(entire):
-    node, axis = (entire[2][0][name][0] for name in ("node", "axis"))
+    node, axis = letters["node"][0], letters["axis"][0]
     assert axis @ node > node @ node
-
-
-def test_inner_sheet_is_drawn_within_the_tube_alone(entire):
-    torus, _, _, (_whole, _outer, inner) = entire
+    _whole, _outer, inner = sheets
     assert np.hypot(inner[..., 0], inner[..., 2]).max() <= (torus.R - torus.r) * (1 + 1e-12)

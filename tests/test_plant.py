@@ -38,6 +38,15 @@ def run(plant, tick, commands, state):
     return np.array(states)
 
 
+def solved(slopes, tick, commands, state, **options):
+    """Return states by scipy, begun anew each tick; `slopes` of a state and a command."""
+    states = [np.array(state)]
+    for u in commands:
+        again = solve_ivp(lambda _, y, u=u: slopes(y, u), (0, tick), states[-1], **options)
+        states.append(again.y[:, -1])
+    return np.array(states)
+
+
 def changes(axis, state, u=0.0):
     """Return the changes (5,) a second of an axis with compressible oil."""
     return np.array(compressible_slopes(axis.numbers, tuple(state), u))
@@ -49,16 +58,12 @@ def changes(axis, state, u=0.0):
 @pytest.mark.parametrize("plant", LINEAR, ids=repr)
 @pytest.mark.parametrize("tick", [5e-4, 0.005, 0.1])
 def test_stepper_equals_a_solver_restarted_each_tick(plant, tick):
-    commands = np.random.default_rng(3).uniform(-1, 1, 12)
     A, B = plant.matrices()
-    state = np.array(plant.rest(0.3))
-    found = run(plant, tick, commands, plant.rest(0.3))
-    for n, u in enumerate(commands):
-        again = solve_ivp(lambda _, y, u=u: A @ y + B * u, (0, tick), state, method="DOP853",
-                          rtol=1e-13, atol=1e-15)  # fmt: skip
-        state = again.y[:, -1]
-        scale = np.max(np.abs(found), axis=0) + 0.3
-        assert np.all(np.abs(found[n + 1] - state) <= 1e-12 * scale)
+    given = tick, np.random.default_rng(3).uniform(-1, 1, 12), plant.rest(0.3)
+    wanted = solved(lambda y, u: A @ y + B * u, *given, method="DOP853", rtol=1e-13, atol=1e-15)
+    found = run(plant, *given)
+    scale = np.max(np.abs(found), axis=0) + 0.3
+    assert np.all(np.abs(found - wanted) <= 1e-12 * scale)
 
 
 @pytest.mark.parametrize("gain", [0.5, 1e3, 1e9])
@@ -96,10 +101,10 @@ def test_response_and_command_agree_with_the_gain(plant):
 
 def angles(lever):
     """Return joint angles at which a lever's triangles are open."""
-    low, high = 0.1 - lever.mounting, 3.0 - lever.mounting
-    low, high = (low, high) if lever.sense > 0 else (-high, -low)
-    return np.linspace(max(low, -high), min(high, -low), 41) if lever.pair else (
-        np.linspace(low, high, 41))  # fmt: skip
+    low, high = sorted(lever.sense * (gamma - lever.mounting) for gamma in (0.1, 3.0))
+    if lever.pair:
+        low, high = max(low, -high), min(high, -low)
+    return np.linspace(low, high, 41)
 
 
 @every_lever
@@ -214,29 +219,21 @@ def test_leaks_run_from_the_higher_pressure_to_the_lower():
 
 @every_axis
 def test_compressible_follows_a_stiff_solver(axis):
-    plant, tick = Compressible(axis), 0.005
-    commands = 0.3 * np.sin(np.arange(60) / 7)
-    found = run(plant, tick, commands, plant.rest(0.1))
-    state = np.array(plant.rest(0.1))
-    for n, u in enumerate(commands):
-        again = solve_ivp(lambda _, y, u=u: changes(axis, y, u), (0, tick), state,
-                          method="LSODA", rtol=1e-9, atol=1e-12)  # fmt: skip
-        state = again.y[:, -1]
-        assert np.all(np.abs(found[n + 1] - state) <= [1e-7, 1e-5, 2e3, 2e3, 2e-5])
+    plant, commands = Compressible(axis), 0.3 * np.sin(np.arange(60) / 7)
+    given = 0.005, commands, plant.rest(0.1)
+    found = solved(partial(changes, axis), *given, method="LSODA", rtol=1e-9, atol=1e-12)
+    assert np.all(np.abs(run(plant, *given) - found) <= [1e-7, 1e-5, 2e3, 2e3, 2e-5])
 
 
 @every_axis
 def test_rigid_follows_a_solver(axis):
-    plant, tick = Rigid(axis), 0.02
-    state, found = np.array(plant.rest(0.1)), run(plant, tick, [0.4, -0.2, 0.3], plant.rest(0.1))
-
-    def slope(_, y, u):
+    def slopes(y, u):
         return [float(axis.rate(y[0], y[1])), (u - y[1]) / axis.valve_lag]
 
-    for n, u in enumerate([0.4, -0.2, 0.3]):
-        again = solve_ivp(slope, (0, tick), state, args=(u,), rtol=1e-9, atol=1e-12, max_step=1e-3)
-        state = again.y[:, -1]
-        np.testing.assert_allclose(found[n + 1], state, atol=2e-6)
+    plant = Rigid(axis)
+    given = 0.02, [0.4, -0.2, 0.3], plant.rest(0.1)
+    found = solved(slopes, *given, rtol=1e-11, atol=1e-13, max_step=1e-3)
+    np.testing.assert_allclose(run(plant, *given), found, atol=1e-7)
 
 
 def test_compressible_oil_is_held_at_no_pressure_and_not_before():
@@ -256,10 +253,8 @@ def test_compressible_oil_is_held_at_no_pressure_and_not_before():
 @every_axis
 @pytest.mark.parametrize("plant", [Rigid, Compressible])
 def test_joints_stay_at_rest_at_the_ends_of_their_stroke_too(axis, plant):
-    for one, end in (
-        (axis, 0.5),
-        *((replace(axis, gravity=0.0), e) for e in (axis.low, axis.high)),
-    ):
+    light = replace(axis, gravity=0.0)
+    for one, end in ((axis, 0.5), (light, axis.low), (light, axis.high)):
         rest = plant(one).rest(end)
         moved = run(plant(one), 0.005, [0.0] * 20, rest) - np.array(rest)
         assert np.all(np.abs(moved) <= 1e-9 * np.array([1, 1, 1e8, 1e8, 1])[: moved.shape[1]])
@@ -288,9 +283,11 @@ def test_axes_have_their_rated_flow_at_35_bar_and_their_damping_nearest_to_angle
     assert 60e3 * swing.flow * np.sqrt(35e5) == pytest.approx(4.0)
 
 
-def test_hydraulics_refuse_sizes_that_do_not_fit_each_other():
-    with pytest.raises(ValueError, match=r"^tank: must be below the supply"):
-        replace(THETA, tank=THETA.supply)
-    for change in ({"gravity": 1e5}, {"gravity": -1e5}):
-        with pytest.raises(ValueError, match=r"^supply: must move the weight both ways"):
-            replace(THETA, **change)
+@pytest.mark.parametrize(("change", "said"), [
+    ({"tank": THETA.supply}, "tank: must be below the supply"),
+    ({"gravity": 1e5}, "supply: must move the weight both ways"),
+    ({"gravity": -1e5}, "supply: must move the weight both ways"),
+])  # fmt: skip
+def test_hydraulics_refuse_sizes_that_do_not_fit_each_other(change, said):
+    with pytest.raises(ValueError, match=f"^{said}"):
+        replace(THETA, **change)

@@ -21,27 +21,21 @@ ROOMS = sorted(
 )
 
 
-def users():
-    """Yield the Python of all users, each with the package that it is in."""
-    yield from ((code(path), "") for path in sorted(ROOT.glob("notebooks/[0-9]*.ipynb")))
-    shared = sorted(ROOT.glob("notebooks/*/*.py"))
-    yield from ((path.read_text(), path.parent.name) for path in shared)
-    yield from ((path.read_text(), "report") for path in sorted(ROOT.glob("report/**/*.py")))
-    yield (LIBRARY / "__main__.py").read_text(), "tunneller_lib"
+def imported():
+    """Yield (room, name) of what users import from a room, or from a module of one."""
+    texts = [(code(path), "") for path in ROOT.glob("notebooks/[0-9]*.ipynb")]
+    files = [*ROOT.glob("notebooks/*/*.py"), *ROOT.glob("report/**/*.py"), LIBRARY / "__main__.py"]
+    texts += [(path.read_text(), path.parent.name) for path in files]
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"^```python\n(.*?)^```", readme, re.M | re.S)
-    yield from ((block, "") for block in blocks + re.findall(r'python -c "(.*?)"', readme))
-
-
-def imported(text, package):
-    """Yield (room, name) of what a text imports from a room, or from a module of one."""
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.ImportFrom):
-            start = [package] * bool(node.level) + (node.module or "").split(".")
-            for alias in node.names:
-                _, *inner = [*filter(None, start), alias.name]
-                if start[0] == "tunneller_lib" and len(inner) > 1:
-                    yield from ((inner[0], name) for name in inner[1:])
+    texts += [(block, "") for block in re.findall(r"^```python\n(.*?)^```", readme, re.M | re.S)]
+    for text, package in texts:
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.ImportFrom):
+                start = [package] * bool(node.level) + (node.module or "").split(".")
+                for alias in node.names:
+                    _, *inner = [*filter(None, start), alias.name]
+                    if start[0] == "tunneller_lib" and len(inner) > 1:
+                        yield from ((inner[0], name) for name in inner[1:])
 
 
 def asked_for():
@@ -57,7 +51,7 @@ def asked_for():
 @pytest.fixture(scope="module")
 def kept():
     """Return the (room, name) of all that users import, and the names that arguments ask for."""
-    return {pair for text, package in users() for pair in imported(text, package)}, asked_for()
+    return {*imported()}, asked_for()
 
 
 @pytest.mark.parametrize("room", ROOMS)

@@ -1,13 +1,13 @@
 """The whole cut: plan, feed, wall; ideal chains against closed forms; plans that are refused."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from tunneller_lib.job import read_job
-from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, follow, reference_axes
+from tests.controllers import job_with
+from tunneller_lib.motion import Integrator, Lag, Loop, follow, reference_axes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit, geodesic_inverse
 from tunneller_lib.ream import Limits, Pose, carve, plan, simulate, starved
@@ -19,7 +19,6 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 READS = ["tests/references/reference_job.toml"]
 
-REFERENCE_JOB = Path(__file__).parent / "references" / "reference_job.toml"
 EGG = Egg(0.5)
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, EGG)
 BITS16 = 2 * np.pi / 2**16
@@ -72,15 +71,11 @@ def test_plan_keeps_its_tolerance_and_its_counts():
     assert job.lap_time == pytest.approx(len(job.setvalues) * 0.005 - 0.005)
 
 
-def test_plan_moves_no_farther_than_a_step_and_never_faster_than_the_feed():
+def test_plan_moves_no_farther_than_a_step():
     job = lap(step=4e-3)
-    centre = job.centres(job.setpoints)
-    moves = np.linalg.norm(np.diff(centre, axis=0), axis=1)
-    assert moves.max() <= 4e-3
+    assert np.linalg.norm(np.diff(job.centres(job.setpoints), axis=0), axis=1).max() <= 4e-3
     steady = (job.feed[1:-1] > 0.09999) & (job.feed[:-2] > 0.09999)
     assert np.mean(job.ticks[:-1][steady] == 8) > 0.7  # 4 mm at 0.1 m/s, but before turns
-    for share in job.shares.values():
-        assert share <= 1
 
 
 def strained(job):
@@ -95,9 +90,8 @@ def strained(job):
 )
 def test_exported_moves_keep_every_limit(limits):
     job = lap(limits)
-    assert max(job.shares.values()) <= 1
+    assert 0.9 < max(job.shares.values()) <= 1
     assert strained(job) <= limits.acceleration * 1.01  # setpoints in parts of a count
-    assert max(job.shares.values()) > 0.9
 
 
 def test_slowed_lap_goes_up_to_its_limit():
@@ -140,32 +134,25 @@ def test_step_between_laps_takes_its_time_within_the_limits():
     assert np.all(speed[: one.ticks.sum() - 1] == 0)
 
 
-def test_pose_moves_as_a_rigid_body():
+def test_pose_rolls_then_pitches_then_yaws_about_the_centre_and_shifts():
     pose, centre = Pose(y=0.01, z=-0.02, roll=0.1, pitch=-0.2, yaw=0.3), np.array([0.1, 0.2, 0.3])
     points = np.random.default_rng(1).normal(size=(20, 3))
-    moved = pose.moved(points, centre)
-    gaps = points[:, None] - points, moved[:, None] - moved
-    np.testing.assert_allclose(*(np.linalg.norm(g, axis=-1) for g in gaps), atol=1e-14)
-    np.testing.assert_allclose(
-        pose.moved(centre, centre), centre + np.array([0, 0.01, -0.02]), atol=1e-15
-    )
-    small = Pose(roll=1e-7, pitch=-2e-7, yaw=3e-7).moved(points, centre) - points
-    np.testing.assert_allclose(small, np.cross([1e-7, -2e-7, 3e-7], points - centre), atol=1e-12)
+    found = Rotation.from_euler("xyz", [0.1, -0.2, 0.3]).apply(points - centre)
+    np.testing.assert_allclose(pose.moved(points, centre), found + centre + [0, 0.01, -0.02])
 
 
 # Moves
 
 
-@pytest.mark.parametrize(("more", "ticks"), [(0.0, [4, 4]), (1e-12, [4, 4]), (1e-7, [3, 3, 2])])
-def test_a_move_goes_as_far_as_the_step_up_to_rounding(more, ticks):
-    moved = np.arange(9) * (1 + more)
-    assert move_lengths(moved, np.zeros(9), step=4.0).tolist() == ticks
-
-
-@pytest.mark.parametrize(("share", "ticks"), [(0.5, 2), (0.5 * (1 + 1e-7), 2), (0.5001, 1), (1, 1)])
-def test_a_move_of_n_ticks_has_a_strain_of_an_nth_at_most(share, ticks):
-    found = move_lengths(np.arange(9.0), np.full(9, share), step=100.0)
-    assert found.tolist() == [ticks] * (8 // ticks)
+@pytest.mark.parametrize(
+    ("more", "share", "step", "ticks"),
+    [(0.0, 0, 4.0, [4, 4]), (1e-12, 0, 4.0, [4, 4]), (1e-7, 0, 4.0, [3, 3, 2]),
+     (0.0, 0.5, 99.0, [2] * 4), (0.0, 0.5 * (1 + 1e-7), 99.0, [2] * 4),
+     (0.0, 0.5001, 99.0, [1] * 8), (0.0, 1, 99.0, [1] * 8)],
+)  # fmt: skip
+def test_a_move_keeps_the_step_and_of_n_ticks_an_nth_of_the_strain(more, share, step, ticks):
+    found = move_lengths(np.arange(9) * (1 + more), np.full(9, share), step=step)
+    assert found.tolist() == ticks
 
 
 def test_where_the_strain_is_high_moves_are_short():
@@ -228,19 +215,19 @@ def test_profile_keeps_the_acceleration_up_to_the_longest_move_that_a_bend_allow
 
 
 def test_bounds_keep_valves_flow_and_volume():
-    axes = AXES
-    loose = lap()
+    axes, loose = AXES, lap()
     lengths = np.linalg.norm(np.diff(loose.centres(loose.setpoints[:-1]), axis=0), axis=1)
     moves, ground = loose.setpoints[:-1], np.full(len(lengths), 2e-3)
     middle = (moves[1:] + moves[:-1]) / 2
     rates = np.diff(moves, axis=0) / lengths[:, None]
     limits = Limits(feed=9.0, acceleration=1.0, valve=0.5, axes=axes)
     feed = limits.bounds(lengths, moves, ground)
-    opened = np.array([
-        [abs(axis.command(float(v * r), float(q))) for v, r, q in zip(feed, rate, at, strict=True)]
+    opened = [
+        abs(axis.command(float(v * r), float(q)))
         for axis, rate, at in zip(axes, rates.T, middle.T, strict=True)
-    ])  # fmt: skip
-    np.testing.assert_allclose(opened.max(axis=0), 0.5, rtol=1e-9)
+        for v, r, q in zip(feed, rate, at, strict=True)
+    ]
+    np.testing.assert_allclose(np.reshape(opened, (2, -1)).max(axis=0), 0.5, rtol=1e-9)
     limits = Limits(feed=9.0, acceleration=1.0, flow=1e-4, axes=axes)
     feed = limits.bounds(lengths, moves, ground)
     drawn = sum(np.where(r > 0, axis.sides(q)[0][0], axis.sides(q)[1][0]) * np.abs(r * feed)
@@ -361,10 +348,9 @@ def test_simulate_in_another_pose_shifts_the_wall():
     straight = simulate(lap(), LAG, LOOP, shape=(200, 360))
     lines = cut.wall.lines
     sides = cut.around - straight.around
-    assert sides[np.argmax(lines.cos)] == pytest.approx(5e-3, rel=0.02)
-    assert sides[np.argmin(lines.cos)] == pytest.approx(-5e-3, rel=0.02)
-    crown = np.argmax(lines.sin)
-    assert abs(sides[crown]) < 0.2e-3
+    for ray, shift in ((lines.cos.argmax(), 5e-3), (lines.cos.argmin(), -5e-3)):
+        assert sides[ray] == pytest.approx(shift, rel=0.02)
+    assert abs(sides[lines.sin.argmax()]) < 0.2e-3
     assert cut.deviation[np.argmax(cut.centres[:, 1])] == pytest.approx(5e-3, abs=1e-3)
 
 
@@ -372,26 +358,23 @@ def test_starved_plan_costs_time_and_no_count():
     job, tasks = lap(), [Task("line", 5000, 400), Task("servo", 5000, 600)]
     late = starved(job, tasks, 60_000)
     assert late.lap_time > job.lap_time + 1
-    at = np.concatenate([[0], np.cumsum(late.ticks)])
+    at = np.append(0, np.cumsum(late.ticks))
     assert np.abs(late.setvalues[at] - late.setpoints).max() <= BITS16 / 2 * 1.001
-    moved = np.concatenate([[True], np.any(np.diff(late.parts, axis=0) != 0, axis=1)])
-    kept = np.concatenate([[True], np.any(np.diff(job.parts, axis=0) != 0, axis=1)])
-    assert np.array_equal(late.parts[moved], job.parts[kept])
-    same = starved(job, tasks, 100)
-    assert np.array_equal(same.ticks, job.ticks)
+    moves = [one.parts[1:][np.diff(one.parts, axis=0).any(axis=1)] for one in (late, job)]
+    np.testing.assert_array_equal(*moves)
+    np.testing.assert_array_equal(starved(job, tasks, 100).ticks, job.ticks)
 
 
 # The promises of the planner, on a job that is kept for it
 
 
 def test_reference_job_keeps_its_plan():
-    job = read_job(REFERENCE_JOB)
+    job = job_with(controller={"plant": "T3"})
     lap = job.planned
     assert max(lap.shares.values()) <= 1
     assert strained(lap) <= 0.5 * 1.005  # setpoints in parts of a count
     assert lap.times["corners"] <= 0.03 * lap.times["straight"]
-    axes = [Compressible(axis) for axis in reference_axes(job.planned.circuit.machine)]
-    track = follow(axes, job.axes[1], lap.setvalues, slopes=lap.slopes)
+    track = follow(*job.axes, lap.setvalues, slopes=lap.slopes)
     torus = lap.circuit.machine.torus
     set_speed = np.linalg.norm(torus.velocity(lap.setvalues[:-1], lap.slopes), axis=-1)
     rates = np.stack([states[:, 1] for states in track.states], axis=-1)

@@ -14,7 +14,8 @@ from scipy.optimize import brentq
 
 from tests.audit.long import many
 from tests.envelopes_random import member, near_miss, placed, window
-from tests.symbols_open import D, F, M, a, e, form, kappa, q, qa, tau, w, x, y
+from tests.symbols_envelopes import D, x, y
+from tests.symbols_open import F, M, a, e, form, kappa, q, qa, tau, w
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet
 from tunneller_lib.envelopes.evidence import (
@@ -43,9 +44,6 @@ def jet_of(seed, count=15):
 JET = jet_of(5)
 OFF = Jet(1e-9 * np.abs(jet_of(6).c))
 ANGLES = np.random.default_rng(7).uniform(0, 2 * np.pi, (POINTS, 5))
-
-# ---- derivatives in a turning direction -----------------------------------------------------
-
 
 # ---- two conditions of each class -----------------------------------------------------------
 

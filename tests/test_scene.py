@@ -1,14 +1,12 @@
 """Scenes: meshes where they are meant, and what happens where nothing can be drawn or turned."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from exhibits import machine_scene
 from kit import camera, gl, scene
 from tests.scenes import small_scenes  # noqa: F401 - a fixture of all tests
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 
 def test_wall_about_the_machine_is_left_open_on_its_right():
@@ -22,24 +20,6 @@ def test_wall_about_the_machine_is_left_open_on_its_right():
     tip = machine.torus.point(0.1, 0.2) + np.array([0, 0, machine.height])
     nearest = min(np.linalg.norm(mesh.points - tip, axis=-1).min() for mesh, _ in posed)
     assert nearest < machine.cutter_radius
-
-
-def test_body_of_the_machine_is_drawn_where_the_wall_is_kept_clear_of_it():
-    body = Body(length=1.3, width=0.3, low=-0.25, high=0.15, holder_radius=0.12, holder_length=0.4)
-    machine = replace(REFERENCE_MACHINE, body=body)
-    parts = machine_scene.machine_model(machine, 0.1, 0.2)
-    boxes = [mesh for mesh, look in parts if look is machine_scene.CASE]
-    assert len(boxes) == 1
-    assert boxes[0].bounds == pytest.approx((-1.3, 0, -0.15, 0.15, -0.25, 0.15))
-    # The holder is coaxial with the arm, from the cutter's centre back.
-    tip, arm = machine.torus.point(0.1, 0.2), machine_scene._joints(machine, 0.1, 0.2)[2]
-    back = arm.axes @ [-1.0, 0, 0]
-    about = [mesh for mesh, _ in parts if np.allclose(mesh.center, tip + 0.2 * back)]
-    assert len(about) == 1
-    along = (about[0].points - tip) @ back
-    off = np.linalg.norm(about[0].points - tip - along[:, None] * back, axis=-1)
-    assert (along.min(), along.max()) == pytest.approx((0, 0.4), abs=1e-6)
-    assert off.max() == pytest.approx(0.12, abs=1e-6)
 
 
 @pytest.mark.parametrize("parallel", [True, False])

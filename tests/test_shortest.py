@@ -5,10 +5,10 @@ The proof stands in the report's section on geodesics; each of its steps has a t
 
 import numpy as np
 import pytest
-from mpmath import mp, mpf
+from scipy.integrate import tanhsinh
 
 from tests.shapes import ways_of
-from tunneller_lib.paths import geodesic_direct, geodesic_inverse
+from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.paths.geodesic_root import INSIDE, OUTSIDE, PAST, STEEPEST
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
@@ -40,27 +40,15 @@ def pairs(torus, n, seed):
 @every_torus
 @pytest.mark.parametrize("share", [0.01, 0.5, 0.99, 1])
 def test_half_swing_is_the_proofs_integral(torus, share):
-    narrow, wide = max(torus.r - torus.R, 0), torus.r + torus.R
-    c = narrow + share * (wide - narrow)
-    with mp.workdps(25):
-        r, R = mpf(torus.r), mpf(torus.R)
+    r, R, narrow = torus.r, torus.R, max(torus.r - torus.R, 0)
+    c = narrow + share * (r + R - narrow)
 
-        def density(x):
-            rho = 1 / mp.sqrt((mp.cos(x) / c) ** 2 + (mp.sin(x) / (R + r)) ** 2)
-            return mp.sqrt(1 + 2 * r / (rho + R - r))
+    def density(x):
+        rho = 1 / np.sqrt((np.cos(x) / c) ** 2 + (np.sin(x) / (R + r)) ** 2)
+        return np.sqrt(1 + 2 * r / (rho + R - r))
 
-        turned = 2 * R / (R + r) * mp.quad(density, mp.linspace(0, mp.pi / 2, 9))
-    assert half_swing(torus, c)[0] == pytest.approx(float(turned), rel=1e-13)
-
-
-@every_torus
-def test_half_swing_ends_where_the_direct_problem_says(torus):
-    for c in constants(torus, 7)[1:-1]:
-        phi = np.arccos((c - torus.r) / torus.R)
-        turned, length = half_swing(torus, c)
-        end = geodesic_direct(torus, (0, phi), np.pi / 2, length)
-        scale = np.exp(length / torus.R) if torus.r > torus.R else 1
-        np.testing.assert_allclose(end.position[-1], [turned, -phi], rtol=0, atol=1e-14 * scale)
+    turned = 2 * R / (R + r) * tanhsinh(density, 0, np.pi / 2, rtol=1e-14).integral
+    assert half_swing(torus, c)[0] == pytest.approx(turned, rel=1e-13)
 
 
 @every_torus
@@ -159,15 +147,6 @@ def test_through_the_node_of_a_horn_there_is_a_way_that_leaves_on_the_other_side
     np.testing.assert_allclose(way.point[-1], HORN.point(*q), atol=1e-14)
     assert polyline(way.point) == pytest.approx(found.length, rel=1e-5)
     np.testing.assert_allclose(HORN.implicit(way.point), 0, atol=1e-13)
-
-
-@pytest.mark.parametrize("wider", [1e-9, 1e-12, 2.3e-16])
-def test_rings_that_close_have_the_lengths_of_the_horn(wider):
-    rng = np.random.default_rng(10)
-    p, q = rng.uniform(-np.pi, np.pi, (2, 2000, 2))
-    ring = geodesic_inverse(Torus(1 + wider, 1), p, q)
-    horn = geodesic_inverse(HORN, p, q)
-    np.testing.assert_allclose(ring.length, horn.length, rtol=0, atol=8 * wider + 2e-13)
 
 
 # Step 8: round the tube of a ring.

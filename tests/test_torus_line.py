@@ -10,7 +10,10 @@ from tunneller_lib.surfaces import Torus
 
 GRID = 2.0**-40
 FINE = 2.0**-60  # a few roundings are told apart on it
-RATIOS = np.geomspace(0.2, 1e4, 20)
+KINDS = (
+    "random", "in the ring's plane", "in a meridian plane", "through the centre", "from afar",
+    "parallel to the axis", "along the tunnel", "afar, both points", "points close together",
+)  # fmt: skip
 
 
 def on_grid(values, grid=GRID):
@@ -101,23 +104,12 @@ def lines(kind, rng, n):
     return on_grid(a), on_grid(b)
 
 
-@pytest.mark.parametrize("ratio", RATIOS, ids="{:.3g}".format)
-def test_meet_line_finds_all_of_100000_random_lines(ratio):
-    torus, rng = gridded(ratio), np.random.default_rng(int(1000 * ratio))
-    a, b = lines("random", rng, 5000)
-    judge(torus, a, b, torus.meet_line(a, b))
-
-
-@pytest.mark.parametrize(
-    "kind",
-    ["in the ring's plane", "in a meridian plane", "through the centre", "parallel to the axis",
-     "along the tunnel", "from afar", "afar, both points", "points close together"],
-)  # fmt: skip
-@pytest.mark.parametrize("ratio", [0.2, 0.7, 1.5, 10, 1e4])
-def test_meet_line_finds_all_of_special_lines(kind, ratio):
-    torus, rng = gridded(ratio), np.random.default_rng(1)
-    a, b = lines(kind, rng, 500)
-    judge(torus, a, b, torus.meet_line(a, b))
+@pytest.mark.parametrize("kind", KINDS)
+def test_meet_line_finds_all_of_random_and_special_lines(kind):
+    for ratio in np.geomspace(0.2, 1e4, 20):
+        torus, rng = gridded(ratio), np.random.default_rng(int(1000 * ratio))
+        a, b = lines(kind, rng, 5000 if kind == "random" else 150)
+        judge(torus, a, b, torus.meet_line(a, b))
 
 
 def beside_tangents(torus, seed, n, roundings):
@@ -163,19 +155,14 @@ def test_meet_line_counts_what_passes_within_roundings_as_contact(ratio, roundin
 # Radii, a point and a direction in whole numbers, tangent there.
 TANGENTS = {
     "outer equator, along the axis": (3, 5, (8, 0, 0), (0, 1, 0)),
-    "outer equator, round": (3, 5, (8, 0, 0), (0, 0, 1)),
     "outer equator, oblique": (3, 5, (0, 0, 8), (3, 4, 0)),
     "hole, along the axis": (5, 3, (2, 0, 0), (0, 1, 0)),
-    "hole, from inside the tube": (5, 3, (2, 0, 0), (0, 0, 1)),
     "hole, oblique": (5, 3, (-2, 0, 0), (0, 2, 1)),
     "top": (5, 3, (3, 3, 4), (7, 0, -2)),
     "meridian, outside": (1, 5, (4, 4, 0), (-4, 3, 0)),
-    "meridian, of a ring": (20, 5, (23, 4, 0), (-4, 3, 0)),
     "meridian, inside": (20, 5, (17, 4, 0), (4, 3, 0)),
-    "meridian, turned": (25, 25, (24, 20, 32), (-12, 15, -16)),
     "oblique, turned": (25, 25, (24, 20, 32), (-12 + 4, 15, -16 - 3)),
     "lemon sheet": (3, 5, (2, 0, 0), (0, 2, 1)),
-    "lemon sheet, round": (3, 5, (0, 0, 2), (1, 0, 0)),
     "nearly a sphere": (1, 8192, (8193, 0, 0), (0, 5, 9)),
     "thin tube": (8192, 1, (8193, 0, 0), (0, 5, 9)),
     "thin tube, from inside": (8192, 1, (8191, 0, 0), (0, 0, 1)),

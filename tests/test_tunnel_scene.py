@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exhibits.machine_scene import DARK
-from exhibits.tunnel_scene import OPENED, SCALAR, posed_machine, stages, wall_mesh
+from exhibits.tunnel_scene import posed_machine, stages
 from tests.scenes import small_scenes  # noqa: F401 - a fixture of all tests
 from tunneller_lib.motion import Integrator, Loop
 from tunneller_lib.paths import cutting_circuit
@@ -42,22 +42,6 @@ def test_stages_end_with_the_wall_and_begin_with_none_removed(cut):
     )
     assert before.volume > half.volume > after.volume
     np.testing.assert_allclose(EGG.depth(*standing(before)[..., 1:].T), 0, atol=1e-12)
-
-
-def test_wall_mesh_has_a_point_and_an_error_for_each_ray(cut):
-    mesh = wall_mesh(cut.wall, cut.plan.circuit)
-    angle = np.mod(np.arctan2(cut.wall.lines.sin, cut.wall.lines.cos), 2 * np.pi)
-    shown = (angle < OPENED[0]) | (angle >= OPENED[1])  # the rest is left out, to look inside
-    rays = np.count_nonzero(shown)
-    assert 0 < rays < SHAPE[1]
-    assert mesh.n_points == SHAPE[0] * rays and mesh.n_cells == (SHAPE[0] - 1) * (rays - 1)
-    errors = cut.overbreak[:, shown].ravel()
-    points = standing(cut.wall)[:, shown].reshape(-1, 3)
-    order = np.lexsort(np.round(points, 5).T)
-    found = np.lexsort(np.round(np.asarray(mesh.points, dtype=float), 5).T)
-    np.testing.assert_allclose(mesh.points[found], points[order], atol=1e-6)
-    np.testing.assert_array_equal(mesh[SCALAR][found], 1e3 * errors[order])
-    assert mesh.array_names == [SCALAR]
 
 
 @pytest.mark.parametrize(

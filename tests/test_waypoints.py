@@ -3,13 +3,13 @@
 They are the library's corrected chord. Their cost is measured by references/controller_cycles.py.
 """
 
-import csv
 import ctypes
 
 import numpy as np
 import pytest
 
-from tests.references.controller_cycles import waypoints_c99
+from tests.references import tables
+from tests.references.controller_cycles import WAYPOINTS, waypoints_c99
 from tests.references.waypoint_operations import COLUMNS, TABLE, rows, waypoints
 from tests.test_export import built, compilers
 from tunneller_lib.paths import corrected_chord
@@ -21,23 +21,6 @@ MACHINE = REFERENCE_MACHINE
 LOW, HIGH = (MACHINE.theta_min, MACHINE.phi_min), (MACHINE.theta_max, MACHINE.phi_max)
 COUNT = 2 * np.pi / 2**16
 CHORD = 352  # operations of the projected chord's 32 waypoints, see notebooks/11_rivals.ipynb
-FILL = """
-void fill(double *out, const double *ends)
-{
-    FB_Waypoints c = {0};
-    c.ring = ends[0];
-    c.tube = ends[1];
-    c.thetaP = ends[2];
-    c.phiP = ends[3];
-    c.thetaQ = ends[4];
-    c.phiQ = ends[5];
-    fb_waypoints(&c);
-    for (int k = 0; k < 9; ++k) {
-        *out++ = c.theta[k];
-        *out++ = c.phi[k];
-    }
-}
-"""
 
 
 def pairs(n):
@@ -64,7 +47,7 @@ def in_structured_text(points, p, q):
 
 @pytest.mark.parametrize("points", [5, 9, 32])
 def test_structured_text_agrees_to_a_tenth_of_a_count(points):
-    p, q = pairs(100)
+    p, q = pairs(40)
     found = in_structured_text(points, p, q)
     assert np.max(np.abs(found - corrected_chord(MACHINE.torus, p, q, points))) < COUNT / 10
     np.testing.assert_allclose(found[:, 0], p, atol=1e-14)
@@ -80,17 +63,17 @@ def test_difference_falls_with_the_fourth_power_of_the_waypoints():
 
 @compilers
 def test_c_agrees_to_a_tenth_of_a_count(tmp_path, compiler):
-    fill = built(compiler, tmp_path, waypoints_c99(9) + FILL).fill
+    fill = built(compiler, tmp_path, waypoints_c99(9) + WAYPOINTS).waypoints
+    fill.argtypes = [ctypes.c_double] * 6 + [ctypes.c_void_p] * 2
     p, q = pairs(2_000)
-    found = np.empty((len(p), 9, 2))
-    sizes = np.broadcast_to([MACHINE.r, MACHINE.R], p.shape)
-    for out, ends in zip(found, np.hstack([sizes, p, q]), strict=True):
-        fill(ctypes.c_void_p(out.ctypes.data), ctypes.c_void_p(ends.ctypes.data))
-    assert np.max(np.abs(found - corrected_chord(MACHINE.torus, p, q, 9))) < COUNT / 10
+    found = np.empty((len(p), 2, 9))
+    for (theta, phi), *ends in zip(found, p, q, strict=True):
+        fill(MACHINE.r, MACHINE.R, *np.ravel(ends), theta.ctypes.data, phi.ctypes.data)
+    true = corrected_chord(MACHINE.torus, p, q, 9)
+    assert np.max(np.abs(found.swapaxes(1, 2) - true)) < COUNT / 10
 
 
 def test_operations_are_those_of_a_run_and_at_most_six_times_the_chord_s():
     counted = list(rows())
-    with TABLE.open(newline="") as file:
-        assert list(csv.reader(file)) == [COLUMNS, *(list(map(str, row)) for row in counted)]
+    assert tables.read(TABLE) == (COLUMNS, [list(map(str, row)) for row in counted])
     assert counted[-1] == [32, 1514, 103, 144] and sum(counted[-1][1:]) <= 6 * CHORD

@@ -1,4 +1,4 @@
-"""What `pip install .` brings does a whole cut, with numpy and scipy beside it and nothing else."""
+"""What `pip install .` brings does a whole cut with nothing beside it but what it asks for."""
 
 import re
 import shutil
@@ -8,6 +8,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
+
+from tests.test_command import FILES, changed
 
 READS = ["tunneller_lib/*"]
 
@@ -22,7 +24,7 @@ import sys
 class Bare:
     def find_spec(self, name, path=None, target=None):
         top = name.partition(".")[0]
-        known = {"numpy", "scipy", "tunneller_lib", *sys.stdlib_module_names}
+        known = {"tunneller_lib", *WANTED, *sys.stdlib_module_names}
         if top not in known and not top.startswith("_"):
             raise ModuleNotFoundError(f"No module named {top!r}", name=top)
 
@@ -34,66 +36,36 @@ sys.exit(__main__.main())
 """
 
 
-def packed():
-    """Return what setuptools packs: the modules of folders with an __init__, and declared data."""
-    modules = {file for file in PACKAGE.rglob("*.py") if (file.parent / "__init__.py").exists()}
-    data = {
+@pytest.fixture
+def installed(tmp_path):
+    """Return a folder with the library alone."""
+    package = tmp_path / "site" / PACKAGE.name
+    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
+    return package.parent
+
+
+def test_wheel_has_all_of_the_library():
+    """Setuptools packs the modules of folders with an __init__, and data that is declared."""
+    files = {p for p in PACKAGE.rglob("*") if p.is_file() and "__pycache__" not in p.parts}
+    declared = {
         file
         for package, patterns in DATA.items()
         for pattern in patterns
         for file in ROOT.joinpath(*package.split(".")).glob(pattern)
     }
-    return modules | data
-
-
-@pytest.fixture
-def installed(tmp_path):
-    """Return a folder with what setuptools packs."""
-    for file in packed():
-        place = tmp_path / "site" / file.relative_to(ROOT)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(file, place)
-    return tmp_path / "site"
-
-
-def test_wheel_asks_for_numpy_and_scipy_alone():
-    wanted = [re.match(r"\w+", line)[0] for line in PROJECT["project"]["dependencies"]]
-    assert wanted == ["numpy", "scipy"]
-    assert PROJECT["project"]["scripts"] == {"tunneller": "tunneller_lib.__main__:main"}
-
-
-def test_wheel_has_all_of_the_library():
-    every = {
-        path for path in PACKAGE.rglob("*") if path.is_file() and "__pycache__" not in path.parts
-    }
-    assert every == packed()
-
-
-def quick(text):
-    """Return the reference job on fewer rays and without oil, which takes minutes uncompiled."""
-    text = re.sub(r"^(power|\[ground\]).*?(?=^# \[hydraulics\])", "", text, flags=re.M | re.S)
-    for old, new in {'"T3"': '"T0"', "feed = 0.1 ": "feed = 0.2 ", "along = 200": "along = 40",
-                     "around = 360": "around = 60"}.items():  # fmt: skip
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
+    assert declared == {file for file in files if file.suffix != ".py"}
+    assert {file.parent for file in files} == {file.parent for file in PACKAGE.rglob("__init__.py")}
 
 
 def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_path):
-    command = [sys.executable, "-c", COMMAND, str(installed)]
-    text = subprocess.run([*command, "example"], text=True, capture_output=True).stdout
-    (tmp_path / "reference.toml").write_text(quick(text), encoding="utf-8")
-    done = subprocess.run(
-        [*command, "cut", "reference.toml", "--out", "cut"],
-        cwd=tmp_path, text=True, capture_output=True,
-    )  # fmt: skip
+    (tmp_path / "quick.toml").write_text(changed({}), encoding="utf-8")
+    wanted = [re.match(r"\w+", line)[0] for line in PROJECT["project"]["dependencies"]]
+    code = f"WANTED = {wanted}\n{COMMAND}"
+    command = [sys.executable, "-c", code, str(installed), "cut", "quick.toml", "--out", "cut"]
+    done = subprocess.run(command, cwd=tmp_path, text=True, capture_output=True)
     assert done.returncode == 0, done.stderr
     assert re.search(
         r"^wall\.png is left out: the package \w+ is missing; pip install", done.stderr, re.M
     )
     files = {file.name for file in (tmp_path / "cut").iterdir() if file.stat().st_size}
-    assert files == {
-        "budget.csv", "plan.csv", "knots.csv", "setpoints.csv", "setvalues.csv", "line.st",
-        "line.c", "controller.st", "blocks.st", "controller.c", "controller.h", "controller.xml",
-        "section.dxf", "wall.stl", "manifest.txt",
-    }  # fmt: skip
+    assert files == FILES - {"wall.png", "laps.png"}

@@ -21,6 +21,7 @@ import time
 from pathlib import Path
 
 from report.sources import ROOT, digest
+from tests.audit.long import git
 
 TABLE = ROOT / "tests" / "audit" / "interruptions.md"
 
@@ -147,7 +148,7 @@ def check(study, first, rows):
 
 
 def write(rows):
-    commit = subprocess.check_output(["git", "describe", "--always"], cwd=ROOT, text=True).strip()
+    commit = git("describe", "--always")
     lines = [
         "# Builds that were killed, doubled, damaged", "",
         f"By `tests/audit/interruptions.py` on {time.strftime('%F')}, commit {commit}.", "",

@@ -39,7 +39,8 @@ def asked(path, examples=()):
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         for call in ast.walk(node):
             if isinstance(call, ast.Call) and ast.unparse(call.func) == "many":
-                yield tuple(map(ast.literal_eval, call.args))
+                given = map(ast.literal_eval, call.args)
+                yield tuple(len(one) if isinstance(one, tuple) else one for one in given)
         around = " ".join(map(ast.unparse, getattr(node, "decorator_list", [])))
         if "given(" in around and "max_examples" not in around:
             yield from examples
@@ -66,8 +67,9 @@ def repeated(name):
     return not run.returncode, f"{said}, {seconds:.0f} s"
 
 
-def git(*words):
-    return subprocess.run(["git", *words], cwd=ROOT, text=True, capture_output=True).stdout
+def git(*words, folder=ROOT):
+    done = subprocess.run(["git", *words], cwd=folder, text=True, capture_output=True)
+    return done.stdout.strip()
 
 
 def main(*names):
@@ -77,7 +79,7 @@ def main(*names):
     before = TABLE.read_text(encoding="utf-8")
     rows = {name: row for row, name in re.findall(r"^(\| (tests/\w+\.py) \|.*)$", before, re.M)}
     _, mark, notes = before.partition("\n## Notes\n")
-    commit = git("describe", "--always").strip()
+    commit = git("describe", "--always")
     if git("diff", "--name-only", "HEAD", "--", f":!{TABLE.relative_to(ROOT)}"):
         commit += "-dirty"
     passed = True

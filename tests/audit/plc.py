@@ -13,14 +13,15 @@ import tempfile
 import time
 from collections import Counter
 from contextlib import closing, suppress
-from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
+from tests.audit.long import git
 from tests.controllers import (
     ANSWER,
+    COMPILER,
     DISABLED,
     ERROR_STOP,
     FULL,
@@ -32,20 +33,20 @@ from tests.controllers import (
     build,
     c99_program,
     closed_loop,
+    job_with,
     main_program,
     moved,
     with_program,
 )
-from tunneller_lib.job import read_job
 from tunneller_lib.job.controller_texts import plcopen_xml
 from tunneller_lib.job.reader import Job
 from tunneller_lib.motion.stability import gain_limit
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = ROOT / "tests" / "audit" / "plc.md"
-REFERENCE_JOB = ROOT / "tests" / "references" / "reference_job.toml"
 RANDOM = 10
 SCANS = 20_000  # of each comparison with random inputs
+OIL, CORRECTED = {"plant": "T3"}, {"path": "corrected chord", "laps": 2}
 STRICT = "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-pedantic", "-Werror"
 HOW_TO_GET_IT = {
     "IEC2C": "No iec2c is on PATH or at IEC2C; it comes of https://github.com/beremiz/matiec by "
@@ -89,24 +90,18 @@ SCAN = "config_run__(tick++)"
 
 def jobs():
     """Yield what is tried: a name and a job."""
-    whole = read_job(REFERENCE_JOB)
-    oil = replace(whole, controller={**whole.controller, "plant": "T3"})
-    yield "the reference job, T3", oil
-    corrected = replace(oil, plan={**whole.plan, "path": "corrected chord", "laps": 2})
-    yield "corrected chords, two laps, T3", corrected
+    yield "the reference job, T3", job_with(controller=OIL)
+    yield "corrected chords, two laps, T3", job_with(controller=OIL, plan=CORRECTED)
     # In single precision, as iec2c reads it, 4.1 is less.
-    odd = {"tick": 4.1e-3, "step": 8e-3}
-    yield (
-        "a tick of 4.1 ms, corrected chords, T3",
-        replace(oil, plan={**corrected.plan, **odd, "laps": 1}),
-    )
-    for number, wanted in enumerate(islice(kept(random_jobs(11)), RANDOM), start=1):
+    odd = CORRECTED | {"tick": 4.1e-3, "step": 8e-3, "laps": 1}
+    yield "a tick of 4.1 ms, corrected chords, T3", job_with(controller=OIL, plan=odd)
+    for number, wanted in enumerate(islice(random_jobs(11), RANDOM), start=1):
         about = f"{wanted.section['shape']}, {wanted.plan['path']}, {wanted.controller['plant']}"
         yield f"random job {number}: {about}", wanted
 
 
 def random_jobs(seed):
-    """Yield random jobs that the planner accepts, without end: machines, sections, feeds, loops."""
+    """Yield random jobs that aren't refused, without end: machines, sections, feeds, loops."""
     rng = np.random.default_rng(seed)
     while True:
         wanted = _random_job(rng)
@@ -115,8 +110,9 @@ def random_jobs(seed):
             turns = wanted.planned.setvalues
             angles = np.linspace(turns.min(axis=0), turns.max(axis=0), 5).T
             limit = min(map(gain_limit, axes, loops, angles))
-            gain = min(limit * rng.uniform(0.2, 0.7), 30.0)
-            yield replace(wanted, controller={**wanted.controller, "gain": gain})
+            wanted = job_with(wanted, controller={"gain": min(limit * rng.uniform(0.2, 0.7), 30.0)})
+            with_program(wanted)
+            yield wanted
 
 
 def _random_job(rng):
@@ -152,14 +148,6 @@ def _random_job(rng):
     )  # fmt: skip
 
 
-def kept(found):
-    """Yield those jobs that the generator doesn't refuse."""
-    for wanted in found:
-        with suppress(ValueError):
-            with_program(wanted)
-            yield wanted
-
-
 def short(wanted):
     """Return whether a job has two laps that don't take long."""
     return wanted.plan["laps"] == 2 and 2 * wanted.planned.ticks.sum() < SCANS / 6
@@ -178,7 +166,7 @@ def translated(folder, text, blocks=""):
     return {path.name: path.read_text() for path in sorted(folder.glob("*.[ch]"))}
 
 
-def configuration(compiler, folder, made, *options):
+def configuration(folder, made, *options):
     """Return the path of a controller's Structured Text as iec2c and a C compiler make it."""
     units = translated(folder, made.text, made.blocks)
     # It calls in each such time, which must be the fast task's interval, then.
@@ -190,7 +178,7 @@ def configuration(compiler, folder, made, *options):
     place = lambda name: f"CONTROLLER__FASTTASK.TUNNELLER.{name.upper()}.value"  # noqa: E731
     text = HEAD + main_program(place, "config_init__()", "", SCAN)
     library = Path(found("IEC2C")).resolve().parent / "lib" / "C"
-    return build(compiler, folder, text, "-O2", "-w", *options, f"-I{library}")
+    return build(COMPILER, folder, text, "-O2", "-w", *options, f"-I{library}")
 
 
 class Both:
@@ -200,10 +188,10 @@ class Both:
     that, too.
     """
 
-    def __init__(self, compiler, folder, made, *options):
+    def __init__(self, folder, made, *options):
         (folder / "c99").mkdir()
-        self.texts = Driven(configuration(compiler, folder / "iec", made, *options))
-        self.c99 = Driven(c99_program(compiler, folder / "c99", made, *STRICT, "-O2", *options))
+        self.texts = Driven(configuration(folder / "iec", made, *options))
+        self.c99 = Driven(c99_program(COMPILER, folder / "c99", made, *STRICT, "-O2", *options))
         self.c = self.texts.c
         self.period = made.slow
         self.scans = self.different = 0
@@ -231,7 +219,7 @@ class Both:
                 raise RuntimeError("a controller ended with an error")
 
 
-def planned(compiler):
+def planned():
     """Yield a row of the table for each job that runs as it is planned."""
     for name, wanted in jobs():
         made = with_program(wanted)
@@ -241,10 +229,7 @@ def planned(compiler):
         approach, ring, at_once = (int(re.search(rf"{name} : .*DINT := \[?(\d+)", made.text)[1])
                                    for name in ("aTicks", "nRing", "nAtOnce"))  # fmt: skip
         before = 2 * approach + (ring // at_once + 3) * made.slow
-        with (
-            tempfile.TemporaryDirectory() as folder,
-            closing(Both(compiler, Path(folder), made)) as both,
-        ):
+        with tempfile.TemporaryDirectory() as folder, closing(Both(Path(folder), made)) as both:
             track = closed_loop(both, wanted, made, before + len(counts) + 10 * plan.laps)
         if not track[-1, 7]:
             raise ValueError(f"{name}: not at its end after {both.scans} scans")
@@ -317,23 +302,20 @@ def pressed(both, wanted, scans, seed):
     return seen
 
 
-def random_inputs(compiler):
+def random_inputs():
     """Yield a row of the table for each job with random inputs, both programs under sanitizers."""
-    whole = read_job(REFERENCE_JOB)
-    plain = replace(whole, controller={**whole.controller, "plant": "T0"})
-    corrected = {"path": "corrected chord", "laps": 2}
-    oil = replace(whole, controller={**whole.controller, "plant": "T3"})
+    plain = job_with(controller={"plant": "T0"}, plan={"laps": 2})
     cases = (
-        ("the reference job, T0, two laps", replace(plain, plan={**whole.plan, "laps": 2})),
-        ("corrected chords, two laps, T3", replace(oil, plan={**whole.plan, **corrected})),
-        ("a random job of short laps, two", next(filter(short, kept(random_jobs(12))))),
+        ("the reference job, T0, two laps", plain),
+        ("corrected chords, two laps, T3", job_with(controller=OIL, plan=CORRECTED)),
+        ("a random job of short laps, two", next(filter(short, random_jobs(12)))),
     )
     for seed, (name, wanted) in enumerate(cases):
         made = with_program(wanted)
         options = *SANITIZERS, "-g"
         with (
             tempfile.TemporaryDirectory() as folder,
-            closing(Both(compiler, Path(folder), made, *options)) as both,
+            closing(Both(Path(folder), made, *options)) as both,
         ):
             seen = pressed(both, wanted, SCANS, seed)
         yield (
@@ -351,11 +333,9 @@ def found(name):
 
 def version(name):
     """Return the commit of a tool."""
-    folder = Path(found(name)).resolve()
-    command = ["git", "describe", "--always"]
-    folder = folder if folder.is_dir() else folder.parent
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    return done.stdout.strip() or "unknown"
+    place = Path(found(name)).resolve()
+    folder = place if place.is_dir() else place.parent
+    return git("describe", "--always", folder=folder) or "unknown"
 
 
 def checked_xml():
@@ -403,27 +383,25 @@ def table(*head, rows):
 
 
 def main():
-    compiler = shutil.which("gcc") or shutil.which("clang") or shutil.which("cc")
     if not found("IEC2C"):
         print(HOW_TO_GET_IT["IEC2C"])
         return 1
-    if not compiler:
+    if not COMPILER:
         print("There is no C compiler here, for the C that iec2c writes.")
         return 1
     begun = time.monotonic()
-    commit = ["git", "describe", "--always", "--dirty"]
-    commit = subprocess.run(commit, cwd=ROOT, text=True, capture_output=True).stdout.strip()
+    commit = git("describe", "--always", "--dirty")
     runs = table(
         "job", "tasks, ms", "scans", "other than the C99", "ticks of the plan",
-        "scans of the run", "set-values other than the library's", rows=planned(compiler),
+        "scans of the run", "set-values other than the library's", rows=planned(),
     )  # fmt: skip
     presses = table(
         "job", "scans", "other than the C99", "scans in states 0 to 4", "with errors 0 to 3",
-        "runs to the end", "steps asked for", rows=random_inputs(compiler),
+        "runs to the end", "steps asked for", rows=random_inputs(),
     )  # fmt: skip
     xml = list(checked_xml())
     print(*xml, sep="\n")
-    gcc = subprocess.run([compiler, "--version"], text=True, capture_output=True).stdout
+    gcc = subprocess.run([COMPILER, "--version"], text=True, capture_output=True).stdout
     lines = [
         "# The exported configuration, run",
         "",

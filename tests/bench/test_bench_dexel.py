@@ -141,43 +141,29 @@ SIXTY = np.random.default_rng(1).uniform(-0.7, 0.7, (60, 3))
 
 
 @pytest.mark.parametrize("package", ["manifold3d"])
+@pytest.mark.parametrize("same", ["error of the volume", "distance of surfaces"])
 @pytest.mark.parametrize(
     ("radius", "places", "what"), [(LARGE, ONE, "one ball"), (SMALL, SIXTY, "sixty balls")]
 )
-def test_balls_against_manifold_at_the_same_error_of_the_volume(
-    installed, benchmark, say, note, radius, places, what
-):
-    exact = 4 / 3 * np.pi * radius**3 if len(places) == 1 else grid_of(radius, places, 600)
-    errors = [grid_of(radius, some) / exact - 1 for some in moved(places)]
-    error = np.sqrt(np.mean(np.square(errors)))
-    sides = sides_for(error, lambda n: abs(mesh_of(installed, radius, places, n) / exact - 1))
+def test_balls_against_manifold(installed, benchmark, say, note, radius, places, what, same):
+    if same == "error of the volume":
+        exact = 4 / 3 * np.pi * radius**3 if len(places) == 1 else grid_of(radius, places, 600)
+        errors = [grid_of(radius, some) / exact - 1 for some in moved(places)]
+        allowed = np.sqrt(np.mean(np.square(errors)))
+        sides = sides_for(allowed, lambda n: abs(mesh_of(installed, radius, places, n) / exact - 1))
+    else:
+        allowed = SPACING**2 / (4 * radius)  # the sagitta across a square of lines, in m
+        sides = sides_for(allowed, lambda n: radius * (1 - np.cos(np.pi / n)))
     benchmark.pedantic(grid_of, (radius, places), rounds=3)
     ours, theirs = best_times(
         lambda: grid_of(radius, places), lambda: mesh_of(installed, radius, places, sides), rounds=5
     )
-    say(f"{what}, relative error of the volume allowed, in millionths", 1e6 * error)
-    note(
-        f"{what} out of a block, 120 x 120 lines", "ball", len(places), ours / len(places),
-        peer="manifold3d batch_boolean", peer_s=theirs / len(places),
-        criterion="the same error of the volume",
-    )  # fmt: skip
-    say(f"{what}, time of manifold3d with {sides} sides over that of the grid, at the same error "
-        "of the volume", theirs / ours, "manifold3d")  # fmt: skip
-
-
-@pytest.mark.parametrize("package", ["manifold3d"])
-@pytest.mark.parametrize(
-    ("radius", "places", "what"), [(LARGE, ONE, "one ball"), (SMALL, SIXTY, "sixty balls")]
-)
-def test_balls_against_manifold_at_the_same_distance_of_surfaces(
-    installed, benchmark, say, radius, places, what
-):
-    sagitta = SPACING**2 / (4 * radius)  # across a square of lines
-    sides = sides_for(sagitta, lambda n: radius * (1 - np.cos(np.pi / n)))
-    benchmark.pedantic(grid_of, (radius, places), rounds=3)
-    ours, theirs = best_times(
-        lambda: grid_of(radius, places), lambda: mesh_of(installed, radius, places, sides), rounds=5
-    )
-    say(f"{what}, distance of both surfaces from the balls / mm", 1e3 * sagitta)
-    say(f"{what}, time of manifold3d with {sides} sides over that of the grid, at the same "
-        "distance of surfaces", theirs / ours, "manifold3d")  # fmt: skip
+    say(f"{what}, {same} that is allowed, in millionths (of the volume, of a metre)", 1e6 * allowed)
+    say(f"{what}, time of manifold3d with {sides} sides over that of the grid, at the same {same}",
+        theirs / ours, "manifold3d")  # fmt: skip
+    if same == "error of the volume":
+        note(
+            f"{what} out of a block, 120 x 120 lines", "ball", len(places), ours / len(places),
+            peer="manifold3d batch_boolean", peer_s=theirs / len(places),
+            criterion="the same error of the volume",
+        )  # fmt: skip

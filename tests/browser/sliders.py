@@ -7,7 +7,6 @@ the rows of others stay as they are.
 
 import os
 import re
-import subprocess
 import sys
 import tempfile
 import time
@@ -21,6 +20,7 @@ from lab import started
 from report.execute import METADATA
 from report.live.program import programs
 from report.sources import ROOT, notebooks
+from tests.audit.long import git
 
 TABLE = ROOT / "tests" / "audit" / "sliders.md"
 MOVES = 7
@@ -63,8 +63,7 @@ def kept():
 
 def main():
     chosen = [n for n in notebooks() if n.stem in sys.argv[1:] or not sys.argv[1:]]
-    asked = ["git", "describe", "--always", "--dirty"]
-    commit = subprocess.run(asked, cwd=ROOT, text=True, capture_output=True).stdout.strip()
+    commit = git("describe", "--always", "--dirty")
     stems = {f"| {notebook.stem}" for notebook in chosen}
     rows = {key: row for key, row in kept().items() if key[0] not in stems}
     with tempfile.TemporaryDirectory() as place:
@@ -75,9 +74,7 @@ def main():
             with started(browser, study) as lab:
                 for notebook in filter(drawings, chosen):
                     for cell, taken in timed(lab, notebook):
-                        said = ", ".join(
-                            f"{word}: {ms:.0f} ({own:.0f})" for word, (ms, own) in taken.items()
-                        )
+                        said = ", ".join(f"{w}: {a:.0f} ({b:.0f})" for w, (a, b) in taken.items())
                         when = f"{time.strftime('%F')}, {commit}, {os.getloadavg()[0]:.1f}"
                         row = f"| {notebook.stem} | {cell} | {said} | {when} |"
                         rows[f"| {notebook.stem}", str(cell)] = row

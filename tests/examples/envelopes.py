@@ -3,7 +3,6 @@
 import numpy as np
 
 from tunneller_lib.envelopes import ConePose, fit_surface, hyperosculating_cones, jet_variables
-from tunneller_lib.envelopes.evidence import RoughJet
 from tunneller_lib.envelopes.families import cubic, cyclide, helix, saddle, turning
 from tunneller_lib.envelopes.hyperosculate import TouchingCone
 from tunneller_lib.envelopes.jet import Jet
@@ -24,21 +23,16 @@ def edge(s):
     return cubic(s, bend=0.8)[0]
 
 
-POSE = {"vertex": (0.3, -0.2, 1.0), "axis": (1.0, 2.0, 2.0), "half_angle": 0.4, "near": 0.5,
-        "far": 2.0}  # fmt: skip
 INSTANCES = {
-    ConePose: ConePose(**POSE),
+    ConePose: ConePose((0.3, -0.2, 1.0), (1.0, 2.0, 2.0), 0.4, near=0.5, far=2.0),
     Fit: fit_surface(**MEASURED),
     Jet: cyclide(*jet_variables(0.5, 0.3)),
-    RoughJet: RoughJet(np.ones(15), RNG),
     TouchingCone: hyperosculating_cones(cyclide, 0.5, 0.3, half_angle=0.5)[0],
     np.random.Generator: RNG,
 }
 
 CALLS = {
-    "ConePose": POSE,
     "Fit.surface": {"x": 0.1, "y": -0.2},
-    "Jet.derivative": {"i": 2, "j": 1},
     "adapted_frames": {"surface": graph, "model": "space"},
     "isotropic.conic": {"centre": (0.4, -0.7)},
     "isotropic.cone_vertex": {"centre": (0.4, -0.7)},
@@ -54,7 +48,7 @@ CALLS = {
     "families.turning": {"vertex": edge, "velocity": edge},
     "fit_surface": MEASURED,
     "frames_along": {"surface": graph},
-    "hyperosculating_cones": {"surface": cyclide, "half_angle": 0.5},
+    "hyperosculating_cones": {"surface": cyclide},
     "isotropic.surface_points": {"f": cyclide},
     "model_jet": {"surface": graph},
     "recognise": {"surface": cyclide, "s": S, "t": T, "kind": "cone"},

@@ -7,8 +7,6 @@ from pathlib import Path
 from tunneller_lib.job import read_job
 from tunneller_lib.job.controller import Program, program
 from tunneller_lib.job.reader import Job
-from tunneller_lib.paths.circuit import Circuit
-from tunneller_lib.ream.planning import Plan
 
 _FOLDER = tempfile.TemporaryDirectory()
 _JOB = Path(_FOLDER.name, "job.toml")
@@ -60,12 +58,6 @@ def _job():
     return read_job(_JOB)
 
 
-INSTANCES = {
-    Circuit: lambda: _job().planned.circuit,
-    Job: _job,
-    Path: _JOB,
-    Plan: lambda: _job().planned,
-    Program: lambda: program(_job().planned, _job()),
-}
+INSTANCES = {Job: _job, Path: _JOB, Program: lambda: program(_job().planned, _job())}
 
 CALLS = {"read_job": {"path": _JOB}}

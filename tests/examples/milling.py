@@ -6,7 +6,6 @@ import numpy as np
 
 from tunneller_lib.milling import (
     BallMill,
-    BladeRing,
     ConicalMill,
     CylinderMill,
     Patch,
@@ -23,12 +22,8 @@ def saddle(s, t):
     return [s, t, 30 * s * t]
 
 
-RING = {"hub": 0.06, "height": 0.03, "chord": 0.05, "stagger": -0.7, "twist": 1.2,
-        "camber": -0.006, "bow": -0.006, "blades": 6}  # fmt: skip
 PATCH = Patch(saddle, (-0.01, 0.01), (-0.01, 0.01))
-SIZES = {"half_angle": 0.2, "tip_radius": 0.01, "length": 0.2, "holder_radius": 0.03,
-         "holder_length": 0.05}  # fmt: skip
-MILL = ConicalMill(**SIZES)
+MILL = ConicalMill(0.2, tip_radius=0.01, length=0.2, holder_radius=0.03, holder_length=0.05)
 LOOK = {"tolerance": 1e-4, "n": 11}
 
 
@@ -50,7 +45,6 @@ def covered():
 
 INSTANCES = {
     BallMill: BallMill(0.005),
-    BladeRing: BladeRing(**RING),
     Chain: chain,
     ConicalMill: MILL,
     Coverage: covered,
@@ -61,9 +55,6 @@ INSTANCES = {
 }
 
 CALLS = {
-    "BladeRing": RING,
-    "ConicalMill": SIZES,
-    "Patch": {"surface": saddle, "s": (-0.01, 0.01), "t": (-0.01, 0.01)},
     "coverage_of": lambda: {"mill": MILL, "chains": covered().chains, "n": 11},
     "cover": lambda: {"found": found(), "step": 1e-3, "most": 1} | LOOK,
     "find_positions": {"s": 0.003, "t": 0.001} | LOOK,

@@ -17,48 +17,41 @@ from tunneller_lib.motion.hydraulics import Hydraulics
 from tunneller_lib.motion.plant import LinearPlant, Plant, ValveResonance
 from tunneller_lib.motion.servo import Track
 from tunneller_lib.motion.sizing import Sizes, usual_sizes
-from tunneller_lib.motion.tasks import HandOver, Release, Slice, Task
+from tunneller_lib.motion.tasks import Task
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 THETA, PHI = reference_axes(REFERENCE_MACHINE)
-SIZES = usual_sizes(REFERENCE_MACHINE)
 TASKS = [Task("line", 5000, 400), Task("servo", 5000, 600), Task("watch", 20_000, 1500)]
 RAMP = np.linspace(0.0, 0.1, 30)
 
 INSTANCES = {
     Arm: Arm(0.08, 0.80, head=30.0, beam=60.0),
     Compressible: Compressible(PHI),
-    HandOver: HandOver((1,), (0,), (5,), (1,)),
     Hydraulics: THETA,
-    Integrator: Integrator(0.5),
     Lag: Lag(0.5, 0.02),
     LinearPlant: Lag(0.5, 0.02),
     Plant: Lag(0.5, 0.02),
     Loop: Loop(10.0, 0.005),
-    Release: Release("line", 0, 400),
     Resonance: Resonance(0.5, 100.0, 0.15),
     Rigid: Rigid(THETA),
-    Sizes: SIZES,
-    Slice: Slice("line", 0, 400),
+    Sizes: usual_sizes(REFERENCE_MACHINE),
     Task: TASKS[0],
     Track: follow(Integrator(0.5), Loop(10.0, 0.005), RAMP),
     ValveResonance: ValveResonance(0.5, 0.5, 100.0, 0.15, 0.004),
 }
 
+OILY = {"plant": INSTANCES[Compressible]}
 SEGMENTS = {"tasks": TASKS, "costs": [10_000, 20_000, 5000], "ticks": [9, 10, 5]}
 
 CALLS = {
-    "Arm": {"r": 0.08, "R": 0.80, "head": 30.0, "beam": 60.0},
     "Hydraulics.loaded": {"angle": 0.1, "rate": 0.2, "torque": 100.0, "opened": 0.8},
-    "sizing.Sizes": {name: getattr(SIZES, name) for name in SIZES.__dataclass_fields__},
     "Track.between": {"first": 1, "last": 3},
-    "Hydraulics": {name: getattr(THETA, name) for name in THETA.__dataclass_fields__},
     "follow": {"plant": INSTANCES[Rigid], "loop": INSTANCES[Loop], "setvalues": RAMP},
     "polyline": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
     "polyline_slopes": {"knots": [[0, 0], [3, -2], [3, 5]], "ticks": [2, 3]},
-    "stability.gain_limit": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
-    "stability.stable_gains": {"plant": INSTANCES[Compressible], "loop": Loop(5.0, 0.005)},
-    "stability.is_stable": {"plant": INSTANCES[Compressible], "angles": (0.0, 0.1)},
+    "stability.gain_limit": OILY,
+    "stability.stable_gains": OILY,
+    "stability.is_stable": OILY | {"angles": (0.0, 0.1)},
     "tasks.background_response": {"tasks": TASKS, "cost": 10_000},
     "tasks.buffer_depth": SEGMENTS,
     "tasks.hand_over": SEGMENTS,

@@ -1,6 +1,6 @@
 """Examples for the room paths."""
 
-from tunneller_lib.paths import CHORD_PATHS, ChordLaw, ConeChord, geodesic_inverse
+from tunneller_lib.paths import CHORD_PATHS, ConeChord, geodesic_inverse
 from tunneller_lib.paths.chord_paths import ChordPath
 from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.paths.direct_problem import GeodesicPoints
@@ -10,7 +10,6 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Torus
 _GEODESIC = geodesic_inverse(Torus(0.08, 0.8), (0.3, 0.2), [(-0.4, 0.1), (0.5, -0.6)])
 
 INSTANCES = {
-    ChordLaw: ChordLaw((0.3, 0.2), (-0.4, 0.1)),
     ChordPath: CHORD_PATHS["one-third rule"],
     Circuit: Circuit(REFERENCE_MACHINE, Egg(0.5)),
     ConeChord: ConeChord(1.0, 1.0, 0.5, 0.25),
@@ -21,13 +20,9 @@ INSTANCES = {
 _ENDS = {"p": (0.3, 0.2), "q": (-0.4, 0.1)}
 
 CALLS = {
-    "ChordLaw": {"p": (0.3, 0.2), "q": (-0.4, 0.1)},
     "ChordLaw.gap": {"u": [0.0, 0.5, 1.0]},
     "ChordPath.__call__": {"t": [0.0, 0.5, 1.0]},
-    "ChordPath": {"name": "mine", "way": CHORD_PATHS["joint space"].way, "colour": "error",
-                  "line": "-"},
     "Circuit.path_overbreak": {"s": (0.0, 0.5, 1.0)},
-    "ConeChord": {"f": 0.25},
     "GeodesicPoints.deviation": {"position": [(0.3, 0.2), (0.1, 0.1)]},
     "competing_geodesics": _ENDS,
     "corrected_chord": _ENDS,

@@ -3,20 +3,13 @@
 import numpy as np
 
 from tunneller_lib.motion import Compressible, Integrator, Loop, reference_axes
-from tunneller_lib.motion.arm import Arm
-from tunneller_lib.motion.hydraulics import Hydraulics
-from tunneller_lib.motion.sizing import Sizes, usual_sizes
 from tunneller_lib.motion.tasks import Task
 from tunneller_lib.paths import cutting_circuit
-from tunneller_lib.paths.circuit import Circuit
 from tunneller_lib.ream import Case, Limits, Pose, carve, plan, simulate
-from tunneller_lib.ream.clearance import PartClearance
 from tunneller_lib.ream.cutting import Cut
 from tunneller_lib.ream.error_budget import Fault
-from tunneller_lib.ream.moves import Moves
 from tunneller_lib.ream.planning import Plan
 from tunneller_lib.ream.route import Route, route_through
-from tunneller_lib.removal import Ground
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
 CIRCUIT = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
@@ -32,28 +25,17 @@ TASKS = {"tasks": [Task("line", 50_000, 400)], "cost": 60}
 MOVES = {"lengths": [0.1, 0.2], "positions": np.zeros((3, 2)), "ground": [0.001, 0.002]}
 
 INSTANCES = {
-    Arm: Arm(0.08, 0.80, head=30.0, beam=60.0),
     Case: Case(PLAN, **OILY),
-    Circuit: CIRCUIT,
     Cut: CUT,
     Fault: Case(PLAN).fault("knots"),
-    Ground: Ground(20e6, 2.0),
-    Hydraulics: AXES[0],
-    Integrator: AXIS["plant"],
     Limits: LIMITS,
-    Moves: PLAN.entry,
-    Loop: AXIS["loop"],
-    PartClearance: PLAN.clearances[0],
     Plan: PLAN,
     Pose: Pose(y=1e-3),
     Route: route_through(CIRCUIT, PLAN.knots),
-    Sizes: usual_sizes(REFERENCE_MACHINE),
-    Task: TASKS["tasks"][0],
 }
 
 CALLS = {
     "Case.fault": {"source": "knots"},
-    "Limits": {"feed": 0.1, "acceleration": 0.5, "axes": AXES},
     "Limits.bounds": MOVES,
     "Limits.profile": MOVES,
     "Plan.centres": {"position": IDEAL},

@@ -8,11 +8,9 @@ from tunneller_lib.surfaces import Rod
 
 WALL = DexelGrid.radial(0, 1, 0.5, 0.8, (6, 12))
 
-INSTANCES = {DexelGrid: WALL, Ground: Ground(20e6, 2.0), Lines: WALL.lines}
+INSTANCES = {DexelGrid: WALL, Ground: Ground(20e6, 2.0, 0.5, 0.3, 12.0), Lines: WALL.lines}
 
 CALLS = {
-    "Ground": {"energy": 20e6, "pick_speed": 2.0, "ripple": 0.3, "ripple_frequency": 12.0},
-    "DexelGrid": {"high": 0.9},
     "DexelGrid.cartesian": {"low": (0, 0, 0), "high": (1.0, 2.0, 3.0), "shape": (4, 6)},
     "DexelGrid.front": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},
     "DexelGrid.cut_path": {"centres": [(0.5, 0.5, 0), (0.5, 0.5, 0.1)], "radius": 0.2},

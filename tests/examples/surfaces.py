@@ -17,23 +17,19 @@ from tunneller_lib.surfaces import (
     Torus,
 )
 from tunneller_lib.surfaces.linkage import Linkage, usual_linkages
-from tunneller_lib.surfaces.section import Profile
 from tunneller_lib.surfaces.solid import Solid
 
 _ROD = Rod((0, 0, 0), (4, 0, 1), 1)
-_EDGES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 2.0, 0.0), "z": (0.0, 0.0, 3.0)}
 
 INSTANCES = {
     Arc: Arc(0.0, 0.0, 0.5, 0.0, 1.0),
     Body: Body(1.2, 0.3, -0.2, 0.1),
     Box: Box((0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3)),
     Cone: Cone(0.5),
-    Egg: Egg(0.5),
     Frustum: Frustum((0, 0, 0), (0, 0, 2), 1, 0.5),
     Line: Line(0.0, 0.0, 0.3, 1.0),
     Linkage: usual_linkages(REFERENCE_MACHINE.R)[0],
     Machine: REFERENCE_MACHINE,
-    Profile: Egg(0.5).offset(0.1),
     Rod: _ROD,
     Section: Egg(0.5),
     Solid: _ROD,
@@ -41,14 +37,9 @@ INSTANCES = {
 }
 
 CALLS = {
-    "Body": {"low": -0.2, "high": 0.1},
-    "Box": _EDGES,
     "Egg.offset": {"d": 0.2},
-    "Linkage": {"sense": 1, "bore": 0.06, "rod": 0.03, "dead_length": 0.2, "a": 0.45, "b": 0.11},
     "Linkage.check": {"low": -0.3, "high": 0.3},
     "Linkage.volumes": {"angle": 0.1, "low": -0.3, "high": 0.3},
-    "Machine": {name: getattr(REFERENCE_MACHINE, name)
-                for name in REFERENCE_MACHINE.__dataclass_fields__},
     "Section.offset": {"d": 0.1},
     "Torus.meet_line": {"b": (1.0, 2.0, 3.0)},
     "closed_profile": {"pieces": [Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]},

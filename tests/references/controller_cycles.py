@@ -8,22 +8,20 @@ which a Cortex-M0 and a Cortex-M4 do most in one cycle. Each part is a call; wha
 function costs is taken off.
 """
 
-import csv
 import json
 import re
 import subprocess
 import sys
 import tempfile
 from collections import defaultdict
-from dataclasses import replace
 from functools import partial
 from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
 
-from tunneller_lib.job import read_job
-from tunneller_lib.job.controller import FULL, program
+from tests.controllers import FULL, job_with, with_program
+from tests.references import tables
 from tunneller_lib.job.controller_texts import c99_header, c99_text
 from tunneller_lib.motion import time_bresenham
 from tunneller_lib.motion.export import (
@@ -73,7 +71,6 @@ void waypoints(double ring, double tube, double thetaP, double phiP, double thet
 }
 """
 COUNTS = 2**16 / (2 * np.pi)  # a rad
-CLOCK = 16e3  # cycles a ms
 ARM = ["arm-none-eabi-gcc", "--specs=nosys.specs", "-nostartfiles", "-mthumb"]
 SCALE = 1024 / 62.5, 1024 / 40  # ticks of the timer an instruction, at 16 and at 25 MHz
 CORTEX = {
@@ -91,11 +88,9 @@ def subjects():
     head = "void fb_line(FB_Line *c);"
     text = line_c99().replace(head, f"static inline __attribute__((always_inline)) {head}")
     yield "lines", text, ["-DLINES", f"-DMOVES={MOVES}"], check_lines
-    job = read_job(HERE / "reference_job.toml")
-    job = replace(job, controller={**job.controller, "plant": "T3"})
     for path in ("projected chord", "corrected chord"):
-        wanted = replace(job, plan={**job.plan, "path": path})
-        few, *ends = few_rows(program(wanted.planned, wanted), wanted.planned)
+        wanted = job_with(controller={"plant": "T3"}, plan={"path": path})
+        few, *ends = few_rows(with_program(wanted), wanted.planned)
         code = c99_text(few).replace('#include "controller.h"\n', "")
         yield path, c99_header(few) + code, ["-DCONTROLLER"], partial(check_setpoints, *ends)
     yield "waypoints", waypoints_c99(POINTS) + WAYPOINTS, [f"-DPOINTS={POINTS}"], print
@@ -127,10 +122,8 @@ def lap():
 
 def corners():
     """Return the ends (6, 2, 2) of ways between the corners of the joint limits."""
-    machine = REFERENCE_MACHINE
-    every = list(
-        product((machine.theta_min, machine.theta_max), (machine.phi_min, machine.phi_max))
-    )
+    m = REFERENCE_MACHINE
+    every = product((m.theta_min, m.theta_max), (m.phi_min, m.phi_max))
     return np.array(list(combinations(every, 2)))
 
 
@@ -183,37 +176,36 @@ def ran(command, folder):
     return done.stdout + done.stderr
 
 
-def built(command, folder):
-    subprocess.run(command, cwd=folder, check=True)
-
-
-def firmware(compiler, options, switches, folder):
-    """Build the firmware in a folder that holds its subject."""
-    built([*compiler, "-O2", "-std=gnu99", "-ffp-contract=off", '-DSUBJECT="subject.c"', "-I.",
-           *switches, *options, str(SOURCE), "-lm", "-o", "firmware.elf"], folder)  # fmt: skip
-
-
-def on_avr(text, switches, folder):
-    """Return what the simulated ATmega328P prints."""
+def firmware(compiler, options, text, switches, folder):
+    """Build the firmware of a subject in a folder."""
     (folder / "subject.c").write_text(text)
-    built(["gcc", "-O2", str(HERE / "controller_cycles_avr.c"), "-o", "host", "-lsimavr", "-lelf"],
-          folder)  # fmt: skip
-    firmware(["avr-gcc"], ["-mmcu=atmega328p"], switches, folder)
-    return ran(["./host", "firmware.elf"], folder), 1
+    ran([*compiler, "-O2", "-std=gnu99", "-ffp-contract=off", '-DSUBJECT="subject.c"', "-I.",
+         *switches, *options, str(SOURCE), "-lm", "-o", "firmware.elf"], folder)  # fmt: skip
 
 
-def on_arm(text, switches, folder, kind, board, scale):
-    """Return what the simulated Cortex-M prints, and its timer's ticks an instruction."""
-    (folder / "subject.c").write_text(text)
-    firmware(ARM, [*kind, f"-T{HERE / 'controller_cycles.ld'}"], switches, folder)
+def on_avr(*subject):
+    """Return what the simulated ATmega328P prints of a subject: text, switches and folder."""
+    folder = subject[-1]
+    firmware(["avr-gcc"], ["-mmcu=atmega328p"], *subject)
+    host = str(HERE / "controller_cycles_avr.c")
+    ran(["gcc", "-O2", host, "-o", "host", "-lsimavr", "-lelf"], folder)
+    return ran(["./host", "firmware.elf"], folder)
+
+
+def on_arm(kind, board, *subject):
+    """Return what a simulated Cortex-M prints."""
+    firmware(ARM, [*kind, f"-T{HERE / 'controller_cycles.ld'}"], *subject)
     return ran(
         ["qemu-system-arm", "-M", board, "-icount", "shift=10", "-nographic", "-monitor", "none",
          "-serial", "none", "-semihosting-config", "enable=on,target=native", "-kernel",
-         "firmware.elf"], folder), scale  # fmt: skip
+         "firmware.elf"], subject[-1])  # fmt: skip
 
 
 def read(printed, scale):
-    """Return the costs of each part and what was said, from a firmware's print."""
+    """Return the costs of each part and what was said, from a firmware's print.
+
+    `scale` is of ticks of its timer an instruction.
+    """
     costs, said = defaultdict(list), []
     for line in printed.splitlines():
         if line.startswith("@"):
@@ -262,41 +254,31 @@ def check_lines(processor, said):
           file=sys.stderr)  # fmt: skip
 
 
-def check_ways(who, ends, found, tries, most):
-    """Print how far waypoints (5, n, POINTS, 2) of `WAYS` are from the library's, in counts.
+def check_said_ways(processor, said):
+    """Print how far a firmware's waypoints are from the library's, in counts.
 
-    Raises where one is off by more than `most`, or a geodesic wasn't found.
+    Raises where one is off by more than 1, or 2 between corners, or a geodesic wasn't found.
     """
+    ends = np.concatenate([lap(), corners()])
+    rows = np.reshape(said, (len(ends), len(WAYS), 1 + 2 * POINTS)).swapaxes(0, 1)
+    found = rows[..., 1:].reshape(*rows.shape[:2], POINTS, 2) / 1e8
     given = REFERENCE_MACHINE.torus, ends[:, 0], ends[:, 1]
     geodesic = geodesic_inverse(*given).points(POINTS).position
     true = [project_chord(*given, POINTS), corrected_chord(*given, POINTS), *[geodesic] * 3]
     off = COUNTS * np.abs(found - true).max(axis=(2, 3))
-    beside = COUNTS * np.abs(found - geodesic).max(axis=(2, 3))
-    assert np.all(tries > 0)
-    assert np.all(off <= most)
-    for way, a, b, n in zip(WAYS, off, beside, tries, strict=True):
-        print(
-            f"{who}, {len(ends)} ways, {way}: at most {a.max():.4f} counts from the library's, "
-            f"{b.max():.4f} from the geodesic's; tries {np.bincount(n)[1:].tolist()}",
-            file=sys.stderr,
-        )
+    assert np.all(rows[..., 0] > 0)
+    for of, most in ((slice(len(lap())), 1), (slice(len(lap()), None), 2)):
+        assert off[:, of].max() <= most
+        for way, each, tries in zip(WAYS, off[:, of], rows[:, of, 0], strict=True):
+            print(f"{processor}, {len(each)} ways, {way}: at most {each.max():.4f} counts off; "
+                  f"tries {np.bincount(tries)[1:].tolist()}", file=sys.stderr)  # fmt: skip
 
 
-def check_said_ways(processor, said):
-    """Check the ways that a firmware said."""
-    rows = np.reshape(said, (-1, len(WAYS), 1 + 2 * POINTS)).swapaxes(0, 1)
-    found = rows[..., 1:].reshape(*rows.shape[:2], POINTS, 2) / 1e8
-    many = len(lap())
-    for ends, at, most in ((lap(), slice(many), 1), (corners(), slice(many, None), 2)):
-        check_ways(processor, ends, found[:, at], rows[:, at, 0], most)
-
-
-def measured(processor, run, unit):
+def measured(processor, run, unit, scale=1):
     """Yield the rows of a processor."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text, switches, check in subjects():
-            printed, scale = run(text, switches, Path(folder))
-            costs, said = read(printed, scale)
+            costs, said = read(run(text, switches, Path(folder)), scale)
             check(processor, said)
             (empty,) = costs.pop(1)
             for what, every in costs.items():
@@ -311,16 +293,8 @@ def rows():
     """Yield the rows of the table."""
     yield from measured("ATmega328P", on_avr, "cycles")
     for processor, (kind, board, scale) in CORTEX.items():
-        run = lambda *given, about=(kind, board, scale): on_arm(*given, *about)  # noqa: E731
-        yield from measured(processor, run, "instructions")
+        yield from measured(processor, partial(on_arm, kind, board), "instructions", scale)
 
 
 if __name__ == "__main__":
-    every = list(rows())
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(every)
-    for row in every:
-        times = [f"{cost / CLOCK:.2f} ms" for cost in row[4:]] if row[2] == "cycles" else []
-        print(*row, *times, file=sys.stderr)
+    tables.write(TABLE, COLUMNS, rows())

@@ -7,16 +7,13 @@ seconds. Each row is a scan: how much time is scaled, ticks that are known ahead
 the cutter's set-values in m/s.
 """
 
-import csv
-import shutil
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from tests.controllers import REALS, Driven, c99_program, with_program
-from tunneller_lib.job import read_job
+from tests.controllers import COMPILER, REALS, Driven, c99_program, job_with, with_program
+from tests.references import tables
 from tunneller_lib.ream.moves import levers
 
 TABLE = Path(__file__).with_suffix(".csv")
@@ -49,11 +46,10 @@ def run(path, wanted, made, paused):
 
 def rows():
     """Yield the rows of the table."""
-    whole = read_job(TABLE.parent / "reference_job.toml")
-    wanted = replace(whole, controller={**whole.controller, "plant": "T0"})
+    wanted = job_with(controller={"plant": "T0"})
     made = with_program(wanted)
     with tempfile.TemporaryDirectory() as folder:
-        path = c99_program(shutil.which("gcc") or "cc", Path(folder), made, "-std=c99", "-O1")
+        path = c99_program(COMPILER, Path(folder), made, "-std=c99", "-O1")
         runs = [run(path, wanted, made, paused) for paused in (False, True)]
     for scan, values in zip(SHOWN, np.concatenate(runs, axis=1), strict=True):
         numbers = [f"{value:.4f}" if k % 3 != 1 else int(value) for k, value in enumerate(values)]
@@ -61,7 +57,4 @@ def rows():
 
 
 if __name__ == "__main__":
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(rows())
+    tables.write(TABLE, COLUMNS, rows())

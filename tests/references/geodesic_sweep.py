@@ -7,17 +7,16 @@ The references rest on other integrals than the library's, taken by the double e
 turning point. Some of them are solved again by mpmath at 50 digits, and searched for rivals.
 """
 
-import csv
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from mpmath import mp, mpf
 from scipy.optimize.elementwise import find_root
 
-from tests.references import torus_geodesics
+from tests.references import tables, torus_geodesics
 from tests.references.geodesic_rivals import shortest_rival
+from tests.references.torus_geodesics import ANSWERS, Canonical
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -29,7 +28,6 @@ PI, PI_REST = LONG(np.pi), LONG("1.224646799147353177226065932274997997083053901
 PAIRS, BLOCK, CHECKED, SEED = 100_000, 2000, 500, 22
 MACHINES = 200  # tori of the working sheet
 DEGENERATE = 1e-3  # of the length: a reduced length below that leaves the azimuths uncertain
-ANSWERS = ("azimuth1", "azimuth2", "length", "clairaut", "reduced")
 COLUMNS = [
     "family", "tori", "pairs", "seed", "failures", "wrong branches",
     "worst length error, relative", "worst length error over R",
@@ -37,16 +35,6 @@ COLUMNS = [
     "worst azimuth error times reduced over length",
     "pairs checked", "worst reference length error", "worst reference azimuth error", "rivals",
 ]  # fmt: skip
-
-
-class Track(NamedTuple):
-    """Geodesics from a to b, arrays (n,): the azimuths as rho times their cosines."""
-
-    turned: np.ndarray
-    length: np.ndarray
-    c: np.ndarray
-    cos_a: np.ndarray
-    cos_b: np.ndarray
 
 
 def rule(step, real):
@@ -97,7 +85,7 @@ def wave(r, R, a, b, t, step):
     before = -first[rising]
     total[:, rising] += quadrature(partial(rates, pick=rising), 0 * before, before, step)
     slope_a, slope_b = (wave_slope(r, R, phi, m, c) for phi in (a, b))
-    return Track(*total, c, -t * slope_a, -rest * slope_b)
+    return Canonical(*total, c, -t * slope_a, -rest * slope_b)
 
 
 def wave_slope(r, R, phi, m, c):
@@ -120,9 +108,9 @@ def pass_by(r, R, a, b, c, step, *, over):
     z_a, z_b = below_pi(a), below_pi(np.abs(b) if over else b)
     ends = [np.sqrt(e * (e + 2 * c)) for e in (excess(z[:, None])[:, 0] for z in (z_a, z_b))]
     if not over:
-        return Track(*quadrature(rates, z_a, z_b, step), c, -ends[0], -ends[1])
+        return Canonical(*quadrature(rates, z_a, z_b, step), c, -ends[0], -ends[1])
     total = quadrature(rates, 0 * z_a, z_a, step) + quadrature(rates, 0 * z_b, z_b, step)
-    return Track(*total, c, *ends)
+    return Canonical(*total, c, *ends)
 
 
 def candidate(form, low, high, ends, angle):
@@ -234,17 +222,6 @@ def solved(family, count, seed=SEED):
     return inputs, {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
 
 
-def checked(inputs, known, index):
-    """Return the errors of some references by mpmath, and how many of them have rivals."""
-    length, azimuth = against_mpmath(inputs, known, index)
-    rivals = 0
-    for i in index:
-        r, R, phi1, phi2, theta2 = (array[i] for array in inputs)
-        reach = float(known["length"][i])
-        rivals += shortest_rival(r, R, phi1, phi2, abs(theta2), reach, 1e-4) is not None
-    return length, azimuth, rivals
-
-
 def library(inputs):
     """Return the library's answers as a dict of arrays (n,), torus by torus."""
     r, R, phi1, phi2, theta2 = inputs
@@ -295,26 +272,31 @@ def against_mpmath(inputs, known, index):
         *azimuths, length = (exactly(known[name][i]) for name in ANSWERS[:3])
         exact = torus_geodesics.again(r, R, phi1, theta2, phi2, *azimuths)
         off = max(abs(x - y) for x, y in zip(azimuths, exact[:2], strict=True))
-        worst = [
-            max(x, float(y)) for x, y in zip(worst, (abs(length / exact[2] - 1), off), strict=True)
-        ]
-    return worst
+        worst = [max(worst[0], abs(length / exact[2] - 1)), max(worst[1], off)]
+    return list(map(float, worst))
 
 
-def main():
-    """Write the table."""
-    mp.dps = DIGITS
-    index = np.linspace(0, PAIRS - 1, CHECKED).astype(int)
-    with open(TABLE, "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for family in ("working sheet", "ring"):
-            inputs, known = solved(family, PAIRS)
-            row = [family, len(np.unique(inputs[0])), PAIRS, SEED]
-            row += compared(inputs, known, library(inputs))
-            row += [CHECKED, *checked(inputs, known, index)]
-            writer.writerow([f"{x:.3g}" if np.asarray(x).dtype.kind == "f" else x for x in row])
+def rivals(inputs, known, index):
+    """Return how many of some references have a rival that is shorter by 1e-4."""
+    found = 0
+    for i in index:
+        r, R, phi1, phi2, theta2 = (array[i] for array in inputs)
+        length = float(known["length"][i])
+        found += shortest_rival(r, R, phi1, phi2, abs(theta2), length, 1e-4) is not None
+    return found
+
+
+def row(family, count=PAIRS, checked=CHECKED, seed=SEED):
+    """Return a family's row of the table."""
+    inputs, known = solved(family, count, seed)
+    index = np.linspace(0, count - 1, checked).astype(int)
+    found = [
+        family, len(np.unique(inputs[0])), count, seed, *compared(inputs, known, library(inputs)),
+        checked, *against_mpmath(inputs, known, index), rivals(inputs, known, index),
+    ]  # fmt: skip
+    return [f"{x:.3g}" if np.asarray(x).dtype.kind == "f" else x for x in found]
 
 
 if __name__ == "__main__":
-    main()
+    mp.dps = DIGITS
+    tables.write(TABLE, COLUMNS, map(row, ("working sheet", "ring")))

@@ -15,7 +15,8 @@ import csv
 import gzip
 import json
 import sys
-from collections import Counter
+from collections import Counter, defaultdict
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ import numpy as np
 HERE = Path(__file__).parent
 TABLE = HERE / "hard_lines_peers.csv"
 DOUBLE, SINGLE = 2.0**-52, 2.0**-23
+EVERY = "rod capsule frustum box"
 SIDES = 64
 CONFUSION = 1e-7  # Open CASCADE's own
 # What each routine computes with; a mesh of 64 sides may be off by 0.005 of the size. To Open
@@ -97,6 +99,11 @@ def keep(folder, routine, version, answers):
     (folder / f"{name}.json").write_text(json.dumps(record))
 
 
+def end_of(ray):
+    """Return where a ray ends for those who ask about a segment."""
+    return np.add(ray["origin"], np.multiply(ray["direction"], ray["reach"])).tolist()
+
+
 def pose(ray):
     """Return centre, rotation matrix and half lengths of a shape; the axis is the matrix's z."""
     shape = np.array(ray["shape"])
@@ -125,12 +132,11 @@ def mesh(ray):
         return corners @ turn.T + centre, np.array(faces)
     start, end = ray["shape"][6:8]
     profile = [(start, -half[0]), (end, half[0])]  # radius, height
+    tips = [-half[0], half[0]]
     if ray["kind"] == "capsule":
         angle = np.linspace(0, np.pi / 2, SIDES // 4 + 1)[:-1]
         low = [(start * np.cos(t), -half[0] - start * np.sin(t)) for t in angle[::-1]]
         profile = low + [(r, -z) for r, z in low[::-1]]
-    tips = [profile[0][1], profile[-1][1]]
-    if ray["kind"] == "capsule":
         tips = [-half[0] - start, half[0] + start]
     around = np.arange(SIDES) * 2 * np.pi / SIDES
     rings = [np.stack([r * np.cos(around), r * np.sin(around), np.full(SIDES, z)], -1)
@@ -147,45 +153,36 @@ def mesh(ray):
     return points @ turn.T + centre, np.concatenate(faces)
 
 
-def with_mujoco(rays):
+def with_mujoco(ray):
     import mujoco
 
     kinds = {"rod": mujoco.mjtGeom.mjGEOM_CYLINDER, "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
              "box": mujoco.mjtGeom.mjGEOM_BOX}  # fmt: skip
-    for ray in rays:
-        if ray["kind"] not in kinds:
-            yield "none"
-            continue
-        centre, turn, half = pose(ray)
-        size = half if ray["kind"] == "box" else np.array([ray["shape"][6], half[0], 0])
-        found = mujoco.mju_rayGeom(centre, turn.ravel(), size, np.array(ray["origin"]),
-                                   np.array(ray["direction"]), kinds[ray["kind"]])  # fmt: skip
-        yield found if found >= 0 else None
+    centre, turn, half = pose(ray)
+    size = half if ray["kind"] == "box" else np.array([ray["shape"][6], half[0], 0])
+    line = np.array(ray["origin"]), np.array(ray["direction"])
+    found = mujoco.mju_rayGeom(centre, turn.ravel(), size, *line, kinds[ray["kind"]])
+    return found if found >= 0 else None
 
 
-def with_pybullet(rays):
+def with_pybullet(ray):
     import pybullet
 
-    pybullet.connect(pybullet.DIRECT)
-    for ray in rays:
-        if ray["kind"] == "frustum":
-            yield "none"
-            continue
-        centre, turn, half = pose(ray)
-        if ray["kind"] == "box":
-            shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half.tolist())
-        else:
-            kind = pybullet.GEOM_CYLINDER if ray["kind"] == "rod" else pybullet.GEOM_CAPSULE
-            shape = pybullet.createCollisionShape(kind, radius=ray["shape"][6], height=2 * half[0])
-        if shape < 0:
-            yield None
-            continue
-        body = pybullet.createMultiBody(0, shape, -1, centre.tolist(), quaternion(turn))
-        end = np.add(ray["origin"], np.multiply(ray["direction"], ray["reach"]))
-        hit = pybullet.rayTest(ray["origin"], end.tolist())[0]
-        pybullet.removeBody(body)
-        pybullet.removeCollisionShape(shape)
-        yield hit[2] * ray["reach"] if hit[0] >= 0 else None
+    if not pybullet.isConnected():
+        pybullet.connect(pybullet.DIRECT)
+    centre, turn, half = pose(ray)
+    if ray["kind"] == "box":
+        shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half.tolist())
+    else:
+        kind = pybullet.GEOM_CYLINDER if ray["kind"] == "rod" else pybullet.GEOM_CAPSULE
+        shape = pybullet.createCollisionShape(kind, radius=ray["shape"][6], height=2 * half[0])
+    if shape < 0:
+        return None
+    body = pybullet.createMultiBody(0, shape, -1, centre.tolist(), quaternion(turn))
+    hit = pybullet.rayTest(ray["origin"], end_of(ray))[0]
+    pybullet.removeBody(body)
+    pybullet.removeCollisionShape(shape)
+    return hit[2] * ray["reach"] if hit[0] >= 0 else None
 
 
 def quaternion(turn):
@@ -203,139 +200,108 @@ def quaternion(turn):
     return (q / np.linalg.norm(q)).tolist()
 
 
-def with_vtk_box(rays):
+def with_vtk_box(ray):
     import vtk
 
     t1, t2 = vtk.mutable(0.0), vtk.mutable(0.0)
     plane = vtk.mutable(0), vtk.mutable(0)
-    for ray in rays:
-        if ray["kind"] != "box":
-            yield "none"
-            continue
-        centre, turn, half = pose(ray)
-        start = (np.array(ray["origin"]) - centre) @ turn
-        end = start + np.array(ray["direction"]) @ turn * ray["reach"]
-        bounds = np.stack([-half, half], axis=-1).ravel().tolist()
-        met = vtk.vtkBox.IntersectWithLine(bounds, start.tolist(), end.tolist(), t1, t2,
-                                           [0] * 3, [0] * 3, *plane)  # fmt: skip
-        yield float(t1) * ray["reach"] if met else None
+    centre, turn, half = pose(ray)
+    start = (np.array(ray["origin"]) - centre) @ turn
+    end = start + np.array(ray["direction"]) @ turn * ray["reach"]
+    bounds = np.stack([-half, half], axis=-1).ravel().tolist()
+    met = vtk.vtkBox.IntersectWithLine(bounds, start.tolist(), end.tolist(), t1, t2,
+                                       [0] * 3, [0] * 3, *plane)  # fmt: skip
+    return float(t1) * ray["reach"] if met else None
 
 
-def with_vtk_mesh(rays):
+def with_vtk_mesh(ray):
     import vtk
     from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 
-    for ray in rays:
-        vertices, faces = mesh(ray)
-        points = vtk.vtkPoints()
-        points.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
-        cells = vtk.vtkCellArray()
-        rows = np.insert(faces, 0, 3, axis=-1).astype(np.int64).ravel()
-        cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(rows, deep=True))
-        body = vtk.vtkPolyData()
-        body.SetPoints(points)
-        body.SetPolys(cells)
-        tree = vtk.vtkOBBTree()
-        tree.SetDataSet(body)
-        tree.BuildLocator()
-        end = np.add(ray["origin"], np.multiply(ray["direction"], ray["reach"]))
-        found = vtk.vtkPoints()
-        tree.IntersectWithLine(ray["origin"], end.tolist(), found, None)
-        if not found.GetNumberOfPoints():
-            yield None
-            continue
-        step = np.subtract(found.GetPoint(0), ray["origin"])
-        along = np.array(ray["direction"])
-        yield float(step @ along / (along @ along))
+    vertices, faces = mesh(ray)
+    points, cells, body = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
+    points.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
+    rows = np.insert(faces, 0, 3, axis=-1).astype(np.int64).ravel()
+    cells.SetCells(len(faces), numpy_to_vtkIdTypeArray(rows, deep=True))
+    body.SetPoints(points)
+    body.SetPolys(cells)
+    tree, found = vtk.vtkOBBTree(), vtk.vtkPoints()
+    tree.SetDataSet(body)
+    tree.BuildLocator()
+    tree.IntersectWithLine(ray["origin"], end_of(ray), found, None)
+    if not found.GetNumberOfPoints():
+        return None
+    along = np.array(ray["direction"])
+    return np.subtract(found.GetPoint(0), ray["origin"]) @ along / (along @ along)
 
 
-def with_open3d(rays):
+def with_open3d(ray):
     import open3d
 
-    for ray in rays:
-        vertices, faces = mesh(ray)
-        scene = open3d.t.geometry.RaycastingScene()
-        scene.add_triangles(open3d.core.Tensor(vertices.astype(np.float32)),
-                            open3d.core.Tensor(faces.astype(np.uint32)))  # fmt: skip
-        one = np.array([[*ray["origin"], *ray["direction"]]], dtype=np.float32)
-        found = float(scene.cast_rays(open3d.core.Tensor(one))["t_hit"].numpy()[0])
-        yield found if np.isfinite(found) else None
+    vertices, faces = mesh(ray)
+    scene = open3d.t.geometry.RaycastingScene()
+    scene.add_triangles(open3d.core.Tensor(vertices.astype(np.float32)),
+                        open3d.core.Tensor(faces.astype(np.uint32)))  # fmt: skip
+    one = np.array([[*ray["origin"], *ray["direction"]]], dtype=np.float32)
+    found = scene.cast_rays(open3d.core.Tensor(one))["t_hit"].numpy()[0]
+    return found if np.isfinite(found) else None
 
 
-def with_embree(rays):
+def with_embree(ray):
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
-    for ray in rays:
-        vertices, faces = mesh(ray)
-        scene = EmbreeScene()
-        TriangleMesh(scene, vertices[faces].astype(np.float32))
-        one = [np.array([ray[name]], dtype=np.float32) for name in ("origin", "direction")]
-        found = scene.run(*one, query="DISTANCE")
-        yield float(found[0]) if found[0] < 1e30 else None
+    vertices, faces = mesh(ray)
+    scene = EmbreeScene()
+    TriangleMesh(scene, vertices[faces].astype(np.float32))
+    one = [np.array([ray[name]], dtype=np.float32) for name in ("origin", "direction")]
+    found = scene.run(*one, query="DISTANCE")
+    return found[0] if found[0] < 1e30 else None
 
 
-def with_open_cascade(rays):
+def with_open_cascade(ray):
     from OCP.gp import gp_Dir, gp_Lin, gp_Pnt
     from OCP.IntCurvesFace import IntCurvesFace_ShapeIntersector
 
-    for ray in rays:
+    try:
         body = open_cascade_solid(ray)
-        if body is None:
-            yield "none"  # it refuses the shape
-            continue
-        speed = np.linalg.norm(ray["direction"])
-        line = gp_Lin(gp_Pnt(*ray["origin"]), gp_Dir(*ray["direction"]))
-        found = IntCurvesFace_ShapeIntersector()
-        found.Load(body, CONFUSION)
-        found.Perform(line, 0.0, ray["reach"] * speed)
-        places = [found.WParameter(i + 1) for i in range(found.NbPnt())] if found.IsDone() else []
-        yield min(places) / speed if places else None
+    except Exception:  # Standard_Failure and what follows from it: sizes below its least
+        return "none"
+    speed = np.linalg.norm(ray["direction"])
+    line = gp_Lin(gp_Pnt(*ray["origin"]), gp_Dir(*ray["direction"]))
+    found = IntCurvesFace_ShapeIntersector()
+    found.Load(body, CONFUSION)
+    found.Perform(line, 0.0, ray["reach"] * speed)
+    places = [found.WParameter(i + 1) for i in range(found.NbPnt())] if found.IsDone() else []
+    return min(places) / speed if places else None
 
 
 def open_cascade_solid(ray):
-    """Return a shape of Open CASCADE, or None where it makes none."""
-    from OCP.BRepPrimAPI import (
-        BRepPrimAPI_MakeBox,
-        BRepPrimAPI_MakeCone,
-        BRepPrimAPI_MakeCylinder,
-        BRepPrimAPI_MakeRevol,
-    )
+    """Return a shape of Open CASCADE, which raises an exception where it makes none."""
+    from OCP import BRepPrimAPI
     from OCP.gp import gp_Ax1, gp_Ax2, gp_Dir, gp_Pnt
 
     centre, turn, half = pose(ray)
     kind, (start, end) = ray["kind"], ray["shape"][6:8]
     low = centre - turn @ half if kind == "box" else centre - turn[:, 2] * half[0]
     frame = gp_Ax2(gp_Pnt(*low), gp_Dir(*turn[:, 2]), gp_Dir(*turn[:, 0]))
-    try:
-        if kind == "box":
-            return BRepPrimAPI_MakeBox(frame, *(2 * half).tolist()).Solid()
-        if kind == "rod" or (kind == "frustum" and start == end):
-            return BRepPrimAPI_MakeCylinder(frame, start, 2 * half[0]).Solid()
-        if kind == "frustum":
-            return BRepPrimAPI_MakeCone(frame, start, end, 2 * half[0]).Solid()
-        axis = gp_Ax1(gp_Pnt(*centre), gp_Dir(*turn[:, 2]))
-        return BRepPrimAPI_MakeRevol(open_cascade_profile(ray, centre, turn, half), axis).Shape()
-    except Exception:  # Standard_Failure and what follows from it: sizes below its least
-        return None
+    if kind == "box":
+        return BRepPrimAPI.BRepPrimAPI_MakeBox(frame, *(2 * half).tolist()).Solid()
+    if kind == "rod" or (kind == "frustum" and start == end):
+        return BRepPrimAPI.BRepPrimAPI_MakeCylinder(frame, start, 2 * half[0]).Solid()
+    if kind == "frustum":
+        return BRepPrimAPI.BRepPrimAPI_MakeCone(frame, start, end, 2 * half[0]).Solid()
+    axis = gp_Ax1(gp_Pnt(*centre), gp_Dir(*turn[:, 2]))
+    face = open_cascade_profile(start, centre, turn, half[0])
+    return BRepPrimAPI.BRepPrimAPI_MakeRevol(face, axis).Shape()
 
 
-def open_cascade_profile(ray, centre, turn, half):
+def open_cascade_profile(radius, centre, turn, tall):
     """Return half of the section of a capsule, as a face of Open CASCADE."""
-    from OCP.BRepBuilderAPI import (
-        BRepBuilderAPI_MakeEdge,
-        BRepBuilderAPI_MakeFace,
-        BRepBuilderAPI_MakeWire,
-    )
-    from OCP.GC import GC_MakeArcOfCircle
+    from OCP import GC, BRepBuilderAPI
     from OCP.gp import gp_Pnt
 
-    def at(radius, height):
-        return gp_Pnt(*(centre + turn[:, 0] * radius + turn[:, 2] * height))
-
-    radius = ray["shape"][6]
-    wire = BRepBuilderAPI_MakeWire()
-    tall, diagonal = half[0], radius / np.sqrt(2)
+    wire, diagonal = BRepBuilderAPI.BRepBuilderAPI_MakeWire(), radius / np.sqrt(2)
     pieces = [
         [(0, -tall - radius), (diagonal, -tall - diagonal), (radius, -tall)],
         [(radius, -tall), (radius, tall)],
@@ -345,11 +311,11 @@ def open_cascade_profile(ray, centre, turn, half):
     for piece in pieces:
         if piece[0] == piece[-1]:
             continue
-        places = [at(*place) for place in piece]
+        places = [gp_Pnt(*(centre + turn[:, 0] * out + turn[:, 2] * up)) for out, up in piece]
         if len(places) == 3:
-            places = [_made(GC_MakeArcOfCircle(*places)).Value()]
-        wire.Add(_made(BRepBuilderAPI_MakeEdge(*places)).Edge())
-    return _made(BRepBuilderAPI_MakeFace(_made(wire).Wire())).Face()
+            places = [_made(GC.GC_MakeArcOfCircle(*places)).Value()]
+        wire.Add(_made(BRepBuilderAPI.BRepBuilderAPI_MakeEdge(*places)).Edge())
+    return _made(BRepBuilderAPI.BRepBuilderAPI_MakeFace(_made(wire).Wire())).Face()
 
 
 def _made(builder):
@@ -359,12 +325,16 @@ def _made(builder):
     return builder
 
 
+# By routine: its package, the function of a ray, and the kinds of shapes that it has.
 PYTHON = {
-    "MuJoCo": ("mujoco", with_mujoco), "PyBullet": ("pybullet", with_pybullet),
-    "VTK box": ("vtk", with_vtk_box), "Open CASCADE": ("cadquery-ocp-novtk", with_open_cascade),
-    "Open3D, mesh": ("open3d", with_open3d),
-    "embree, mesh": ("embreex", with_embree), "VTK, mesh": ("vtk", with_vtk_mesh),
-}  # fmt: skip
+    "MuJoCo": ("mujoco", with_mujoco, "rod capsule box"),
+    "PyBullet": ("pybullet", with_pybullet, "rod capsule box"),
+    "VTK box": ("vtk", with_vtk_box, "box"),
+    "Open CASCADE": ("cadquery-ocp-novtk", with_open_cascade, EVERY),
+    "Open3D, mesh": ("open3d", with_open3d, EVERY),
+    "embree, mesh": ("embreex", with_embree, EVERY),
+    "VTK, mesh": ("vtk", with_vtk_mesh, EVERY),
+}
 
 
 def run_python(folder):
@@ -372,12 +342,11 @@ def run_python(folder):
     from importlib.metadata import PackageNotFoundError, version
 
     rays = json.loads((folder / "rays.json").read_text())
-    for routine, (package, answer) in PYTHON.items():
-        try:
-            version(package)
-        except PackageNotFoundError:
-            continue
-        keep(folder, routine, version(package), list(answer(rays)))
+    for routine, (package, answer, kinds) in PYTHON.items():
+        with suppress(PackageNotFoundError):
+            found = version(package)
+            answers = [answer(ray) if ray["kind"] in kinds.split() else "none" for ray in rays]
+            keep(folder, routine, found, answers)
 
 
 def verdict(ray, found, precision):
@@ -402,31 +371,28 @@ def verdict(ray, found, precision):
     return "displaced" if not off <= 100 * (give + slack / speed) else ""
 
 
-def write_table(folder):
-    """Judge all answers, by routine, kind and family."""
+def judged(folder):
+    """Yield the rows of the table: all answers by routine, kind and family."""
     rays = json.loads((folder / "rays.json").read_text())
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        records = [json.loads(path.read_text()) for path in folder.glob("*.json")
-                   if path.name != "rays.json"]  # fmt: skip
-        for record in sorted(records, key=lambda r: list(PRECISION).index(r["routine"])):
-            counts, lines = Counter(), Counter()
-            precision = PRECISION[record["routine"]]
-            for ray, found in zip(rays, record["answers"], strict=True):
-                if found == "none":
-                    continue
-                group = ray["kind"], ray["family"]
-                lines[group] += 1
-                counts[*group, verdict(ray, found, precision)] += 1
-            for kind, family in lines:
-                said = {word: counts[kind, family, word] for word in
-                        ("hole", "ghost", "displaced", "touch", "touch lost")}  # fmt: skip
-                writer.writerow([
-                    record["routine"], record["version"], kind, family, lines[kind, family],
-                    said["hole"], said["ghost"], said["displaced"],
-                    said["touch"] + said["touch lost"], said["touch lost"],
-                ])  # fmt: skip
+    records = [json.loads(path.read_text()) for path in folder.glob("*.json")
+               if path.name != "rays.json"]  # fmt: skip
+    for record in sorted(records, key=lambda r: list(PRECISION).index(r["routine"])):
+        precision, groups = PRECISION[record["routine"]], defaultdict(Counter)
+        for ray, found in zip(rays, record["answers"], strict=True):
+            if found != "none":
+                groups[ray["kind"], ray["family"]][verdict(ray, found, precision)] += 1
+        for group, said in groups.items():
+            yield [
+                record["routine"], record["version"], *group, said.total(),
+                said["hole"], said["ghost"], said["displaced"],
+                said["touch"] + said["touch lost"], said["touch lost"],
+            ]  # fmt: skip
+
+
+def write_table(folder):
+    from tests.references import tables
+
+    tables.write(TABLE, COLUMNS, judged(folder))
 
 
 if __name__ == "__main__":

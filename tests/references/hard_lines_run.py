@@ -5,13 +5,14 @@
 New draws of the families of `tests.hard_lines`, a quarter of an hour of one processor.
 """
 
-import csv
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 from exhibits.exact_shapes import judged
 from tests.hard_lines import FAMILIES, KINDS, meet
+from tests.references import tables
 
 TABLE = Path(__file__).with_suffix(".csv")
 COLUMNS = ["kind", "family", "lines", "met", "missed", "thin", "thick"]
@@ -32,16 +33,7 @@ def counts(kind, family):
     return total.tolist()
 
 
-def main():
-    """Write the table, a row as soon as it's known."""
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for kind in KINDS:
-            for family in FAMILIES:
-                writer.writerow([kind, family.__name__, *counts(kind, family)])
-                file.flush()
-
-
 if __name__ == "__main__":
-    main()
+    tables.write(
+        TABLE, COLUMNS, ([k, f.__name__, *counts(k, f)] for k, f in product(KINDS, FAMILIES))
+    )

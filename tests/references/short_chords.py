@@ -7,13 +7,15 @@ geodesic of each length is drawn both ways from its middle by a Taylor series; p
 ends are polynomials through Gauss-Legendre nodes, whose length the same nodes tell.
 """
 
-import csv
 import math
-import sys
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 from mpmath import mp, mpf
+from numpy.polynomial.legendre import leggauss
+
+from tests.references import tables
 
 TABLE = Path(__file__).with_suffix(".csv")
 DIGITS, NODES, TERMS = 60, 40, 100
@@ -30,15 +32,14 @@ DIRECTIONS = [(0.35, 0.7), (0.35, math.pi / 2)]  # phi of the middle, azimuth th
 LENGTHS = [2.0**-k for k in range(1, 9)]  # in units of R
 
 
-def point(torus, theta, phi):
-    r, R = torus
-    rho = r + R * mp.cos(phi)
-    return mp.matrix([rho * mp.cos(theta), R * mp.sin(phi), -rho * mp.sin(theta)])
-
-
 def normal(theta, phi):
     level = mp.cos(phi)
-    return mp.matrix([level * mp.cos(theta), mp.sin(phi), -level * mp.sin(theta)])
+    return np.array([level * mp.cos(theta), mp.sin(phi), -level * mp.sin(theta)])
+
+
+def point(torus, theta, phi):
+    r, R = torus
+    return R * normal(theta, phi) + r * normal(theta, 0)
 
 
 def foot(torus, m):
@@ -46,15 +47,6 @@ def foot(torus, m):
     r, R = torus
     beyond = mp.hypot(m[0], m[2]) - r
     return mp.atan2(-m[2], m[0]), mp.atan2(m[1], beyond), R - mp.hypot(beyond, m[1])
-
-
-def dot(a, b):
-    return mp.fsum(x * y for x, y in zip(a, b, strict=True))
-
-
-def cross(a, b):
-    turned = [(1, 2), (2, 0), (0, 1)]
-    return mp.matrix([a[i] * b[j] - a[j] * b[i] for i, j in turned])
 
 
 class Chord:
@@ -65,11 +57,11 @@ class Chord:
         self.start, self.stop = point(torus, *p), point(torus, *q)
         self.first, self.last = normal(*p), normal(*q)
         self.middle = self.normal_below((self.start + self.stop) / 2)
-        pole = cross(self.first, self.last)
-        sine = mp.sqrt(dot(pole, pole))
+        pole = np.cross(self.first, self.last)
+        sine = mp.sqrt(pole @ pole)
         self.pole = pole / sine
-        self.angle = mp.atan2(sine, dot(self.first, self.last))
-        self.ahead = cross(self.pole, self.first)
+        self.angle = mp.atan2(sine, self.first @ self.last)
+        self.ahead = np.cross(self.pole, self.first)
         self.pushes = self.pushed(self.angle, self.angle)
 
     def at(self, t):
@@ -78,11 +70,11 @@ class Chord:
     def normal_below(self, m):
         return normal(*foot(self.torus, m)[:2])
 
-    def dropped(self, t, direction=None, shift=None):
+    def dropped(self, t, direction=None, shift=0):
         m = self.at(t)
         if direction is not None:
-            m += foot(self.torus, m)[2] * (direction - self.normal_below(m))
-        return foot(self.torus, m + shift if shift is not None else m)[:2]
+            m = m + foot(self.torus, m)[2] * (direction - self.normal_below(m))
+        return foot(self.torus, m + shift)[:2]
 
     def projected_chord(self, t):
         return self.dropped(t)
@@ -99,7 +91,7 @@ class Chord:
 
     def completed_simpson(self, t):
         u = t * (1 - t)
-        rate = dot(self.stop - self.start, self.first + self.last)
+        rate = (self.stop - self.start) @ (self.first + self.last)
         return self.dropped(t, self.simpson(t), u * (1 - u) / 6 * rate * (self.last - self.first))
 
     def psi(self, s):
@@ -126,29 +118,27 @@ class Chord:
 @cache
 def nodes():
     """Return Gauss-Legendre nodes t and weights on (0, 1), and the matrix that differentiates."""
-    x = sorted(mp.polyroots(mp.taylor(lambda v: mp.legendre(NODES, v), 0, NODES)[::-1],
-                            maxsteps=500, extraprec=400))  # fmt: skip
-    slope = [mp.diff(lambda v: mp.legendre(NODES, v), one) for one in x]
-    weights = [2 / ((1 - one**2) * d**2) for one, d in zip(x, slope, strict=True)]
+
+    def legendre(v):
+        return mp.legendre(NODES, v)
+
+    x = np.array([mp.findroot(legendre, near) for near in leggauss(NODES)[0].tolist()])
+    weights = 2 / ((1 - x**2) * np.array([mp.diff(legendre, one) for one in x]) ** 2)
     # Barycentric weights of these nodes.
-    share = [mp.sqrt((1 - one**2) * w) for one, w in zip(x, weights, strict=True)]
-    share = [one * (-1) ** k for k, one in enumerate(share)]
-    matrix = mp.matrix(NODES)
-    for i in range(NODES):
-        for j in range(NODES):
-            if i != j:
-                matrix[i, j] = share[j] / share[i] / (x[i] - x[j])
-        matrix[i, i] = -mp.fsum(matrix[i, j] for j in range(NODES) if j != i)
-    return [(1 + one) / 2 for one in x], [w / 2 for w in weights], 2 * matrix
+    share = (-1) ** np.arange(NODES) * ((1 - x**2) * weights) ** mpf("0.5")
+    gaps = x[:, None] - x + np.eye(NODES, dtype=int)
+    matrix = share / share[:, None] / gaps * (1 - np.eye(NODES, dtype=int))
+    matrix -= np.diag(matrix.sum(axis=1))
+    return (1 + x) / 2, weights / 2, 2 * matrix
 
 
 def path_length(torus, path):
     r, R = torus
     t, weights, matrix = nodes()
-    theta, phi = (matrix * mp.matrix(v) for v in zip(*map(path, t), strict=True))
-    rho = [r + R * mp.cos(path(one)[1]) for one in t]
-    speed = [mp.hypot(a * b, R * c) for a, b, c in zip(rho, theta, phi, strict=True)]
-    return dot(weights, speed)
+    places = np.array([path(one) for one in t])
+    theta, phi = (matrix @ places).T
+    rho = [r + R * mp.cos(height) for height in places[:, 1]]
+    return weights @ [mp.hypot(a * b, R * c) for a, b, c in zip(rho, theta, phi, strict=True)]
 
 
 def geodesic(torus, phi, azimuth):
@@ -163,8 +153,7 @@ def geodesic(torus, phi, azimuth):
     turning, tilting, turned, square, widening = [], [], [], [], []
 
     def product(a, b):
-        n = len(b) - 1
-        return mp.fsum(a[k] * b[n - k] for k in range(n + 1))
+        return mp.fdot(a, b[::-1])
 
     for n in range(1, TERMS):
         turning.append(product(across, bend))
@@ -211,9 +200,4 @@ def row(torus, about, ways):
 
 
 if __name__ == "__main__":
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for one in rows():
-            writer.writerow(one)
-            print(*one, file=sys.stderr)
+    tables.write(TABLE, COLUMNS, rows())

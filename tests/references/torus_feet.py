@@ -6,11 +6,12 @@ Each foot is checked here against Eq. 2 and against the parallelism of MN and th
 table doesn't rest on the construction alone.
 """
 
-import csv
 import random
 from pathlib import Path
 
 from mpmath import mp, mpf
+
+from tests.references import tables
 
 TABLE = Path(__file__).with_suffix(".csv")
 COLUMNS = ["family", "r", "R", "m1", "m2", "m3"]
@@ -83,21 +84,16 @@ def cases(rng, count=40):
         yield "near centre", r, log(-1, 1), [log(-12, -3) * c for c in direction()]
 
 
-def main():
-    """Write the table."""
+def rows():
+    """Yield the rows of the table."""
     mp.dps = 50
-    rng = random.Random(20)
-    with open(TABLE, "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for family, r, R, m in cases(rng):
-            found = feet(r, R, m)
-            worst = max(residual(r, R, m, n) for n in found)
-            if worst > mpf("1e-40"):
-                raise ArithmeticError(f"{family}: feet are off by {mp.nstr(worst, 3)}.")
-            digits = [mp.nstr(c, 20) for n in found for c in n]
-            writer.writerow([family, *map(repr, (r, R, *m)), *digits])
+    for family, r, R, m in cases(random.Random(20)):
+        found = feet(r, R, m)
+        worst = max(residual(r, R, m, n) for n in found)
+        if worst > mpf("1e-40"):
+            raise ArithmeticError(f"{family}: feet are off by {mp.nstr(worst, 3)}.")
+        yield [family, *map(repr, (r, R, *m)), *(mp.nstr(c, 20) for n in found for c in n)]
 
 
 if __name__ == "__main__":
-    main()
+    tables.write(TABLE, COLUMNS, rows())

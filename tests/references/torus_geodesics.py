@@ -7,7 +7,6 @@ quadrature in phi. It is rounded to a double and the geodesic corrected to meet 
 that every input of the table is a double and every answer belongs to just these doubles.
 """
 
-import csv
 import math
 import random
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import NamedTuple
 
 from mpmath import mp, mpf
 
+from tests.references import tables
 from tests.references.geodesic_rivals import shortest_rival
 
 TABLE = Path(__file__).with_suffix(".csv")
@@ -265,17 +265,8 @@ def rows(family):
             yield cells
 
 
-def main():
-    """Write the table."""
+if __name__ == "__main__":
     from .geodesic_families import FAMILIES
 
     mp.dps = DIGITS
-    with open(TABLE, "w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        for family in FAMILIES:
-            writer.writerows(rows(family))
-
-
-if __name__ == "__main__":
-    main()
+    tables.write(TABLE, COLUMNS, (row for family in FAMILIES for row in rows(family)))

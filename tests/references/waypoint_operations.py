@@ -6,12 +6,12 @@ Sums, products and changes of sign are simple; roots, sines and the like are fun
 indices nor comparisons count.
 """
 
-import csv
 from contextlib import ExitStack
 from pathlib import Path
 from unittest.mock import patch
 
 from tests import structured_text
+from tests.references import tables
 from tests.references.controller_cycles import waypoints_text
 
 TABLE = Path(__file__).with_suffix(".csv")
@@ -54,7 +54,4 @@ def rows():
 
 
 if __name__ == "__main__":
-    with TABLE.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(rows())
+    tables.write(TABLE, COLUMNS, rows())

@@ -5,7 +5,6 @@ since the static inverse divides by it.
 """
 
 from functools import lru_cache
-from typing import Literal
 
 import numpy as np
 
@@ -210,8 +209,8 @@ def _models(plant, angles):
 
 
 @checked
-def eigenvalue_limit(plant: LinearPlant, loop: Loop, *, side: Literal["upper", "lower"] = "upper"):
-    """Return the gain at which a stable linear loop stops being stable, in 1/s.
+def eigenvalue_limit(plant: LinearPlant, loop: Loop):
+    """Return the gain up to which a stable linear loop stays stable, in 1/s.
 
     Parameters
     ----------
@@ -219,22 +218,19 @@ def eigenvalue_limit(plant: LinearPlant, loop: Loop, *, side: Literal["upper", "
         The axis.
     loop : Loop
         A stable loop, from whose gain the search starts.
-    side : {"upper", "lower"}
-        Direction in which the gain is searched.
 
     Returns
     -------
     gain : float
-        The gain at which an eigenvalue meets the unit circle, to about 1e-14 of itself; 0 or
-        infinity if the loop stays stable within a factor 1e9.
+        The gain at which an eigenvalue meets the unit circle, to about 1e-14 of itself; infinity
+        if the loop stays stable up to 1e9 times its gain.
 
     Raises
     ------
     ValueError
         If the loop isn't stable at its own gain.
     """
-    factor = 1.25 if side == "upper" else 0.8
-    return _first_unstable(lambda g: _radius(plant, loop, g) - 1, loop.gain, factor)
+    return _first_unstable(lambda g: _radius(plant, loop, g) - 1, loop.gain, 1.25)
 
 
 @checked
