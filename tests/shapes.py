@@ -58,7 +58,7 @@ def ways_of(family, torus, a, b, unknowns, nodes=96):
     """Return c, turned angle, its rate and length (4, n) of ways of a class from phi = a to b."""
     shares, weights = geodesic_root.rule(nodes)
     rule, room = ((shares, weights), nodes // 2), np.empty((3, nodes // 2))
-    ends = geodesic_root.ends_at(torus, a, b, geodesic_root.half_angles(torus, a, b))
+    ends = geodesic_root.ends_at(torus, a, b)
     found = []
     for u in unknowns:
         way = geodesic_root.way_of(family, torus, ends, float(u))

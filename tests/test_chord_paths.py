@@ -54,6 +54,10 @@ def by_the_axis(gap):
     return MACHINE.torus, (0.1, 0.3), (np.pi + 0.1 - gap, -0.2)
 
 
+def by_the_axis_of_a_ring(gap):
+    return Torus(1, 0.5), (0, 0.2), (np.pi - gap / 4, 0.2)
+
+
 def by_the_ring(gap):
     return Torus(1, 0.2), (gap - RING_HALF, 0.09), (RING_HALF, -0.09)
 
@@ -62,7 +66,7 @@ def from_a_node(gap):
     return MACHINE.torus, (0, 0), (1, np.arccos(-0.1) - gap)
 
 
-@pytest.mark.parametrize("ends", [by_the_axis, by_the_ring, from_a_node])
+@pytest.mark.parametrize("ends", [by_the_axis, by_the_axis_of_a_ring, by_the_ring, from_a_node])
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 5e-6])
 def test_path_length_close_by_a_jump_is_right(ends, gap):
     torus, p, q = ends(gap)

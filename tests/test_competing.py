@@ -4,10 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 from tests.audit.long import many
 from tests.references import geodesic_rivals
+from tests.shapes import ways_of
 from tunneller_lib.paths import competing_geodesics, geodesic_direct, geodesic_inverse
+from tunneller_lib.paths.geodesic_root import PAST
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 RING, NARROW, SPINDLE = Torus(3, 1), Torus(1.05, 1), Torus(0.5, 1)
@@ -151,3 +154,15 @@ def test_competing_ways_on_a_horn_hold_the_one_through_its_node_and_all_lead_to_
     end = rivals.points(5).point[..., -1, :]
     miss = np.linalg.norm(end - horn.point(q[:, 0], q[:, 1]), axis=-1)
     assert np.max(miss[rivals.converged]) <= 1e-11
+
+
+def test_second_arrivals_just_beyond_their_least_turn_are_found():
+    horn, a, b = Torus(1, 1), 0.8, 0.2
+    least = minimize_scalar(
+        lambda u: ways_of(PAST, horn, a, b, [u])[1, 0], bounds=(-3, -0.1), method="bounded",
+        options={"xatol": 1e-12},
+    ).fun  # fmt: skip
+    beyond, short = (
+        competing_geodesics(horn, (0, a), (least * (1 + off), b)).kind for off in (1e-12, -1e-12)
+    )
+    assert np.sum(beyond == "outer") == np.sum(short == "outer") + 2

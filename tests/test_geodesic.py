@@ -367,3 +367,34 @@ def test_few_nodes_are_as_good_as_many_where_the_working_sheet_is_farthest_from_
         for nodes in (geodesic_root.NODES_OF_WORKING_SHEET, 96)
     )
     np.testing.assert_allclose(few, many_, rtol=1e-13)
+
+
+# Ways round the outside whose far end has a peak of its own: one descends to beside a node, one
+# winds about the inner equator of a wide ring first.
+@pytest.mark.parametrize("ratio, a, b, turn", [
+    (0.3, 1.87372381989098, -1.8731366215846341, 2.2973128858613494),
+    (1e4, 2.906664442692681, -2.213177492438752, 1.5096461479736543),
+])  # fmt: skip
+def test_peak_at_the_far_end_is_not_missed(ratio, a, b, turn):
+    # In 30 digits: c times the turn and the integral of sqrt(1 - c^2 / rho^2) is stationary in c.
+    found = competing_geodesics(Torus(ratio, 1), (0, a), (turn, b))
+    outer = np.flatnonzero(found.kind == "outer")[0]
+    with mp.workdps(30):
+        c = mpf(float(found.clairaut[outer]))
+
+        def part(*places):
+            return mp.quad(lambda phi: mp.sqrt(1 - (c / (ratio + mp.cos(phi))) ** 2), places)
+
+        winds = 2 * part(a, mp.pi) if ratio > 1 else 0
+        length = c * turn + part(b, b + 0.001, b + 0.1, 0, a - 0.1, a - 0.001, a) + winds
+    assert found.length[outer] == pytest.approx(float(length), rel=3e-14, abs=0)
+
+
+def test_steps_are_judged_against_a_class_that_is_short_by_the_node():
+    # To first order in the turn it is c times the integral of 1 / rho^2, elementary on a horn.
+    a, turn = np.pi - 8e-5, 2.8e-3
+    tangent = np.tan(a / 2)
+    found = competing_geodesics(Torus(1, 1), (0, a), (turn, -a))
+    outer = np.flatnonzero(found.kind == "outer")[0]
+    expected = turn / (tangent + tangent**3 / 3)
+    assert found.clairaut[outer] == pytest.approx(expected, rel=1e-10, abs=0)

@@ -16,8 +16,7 @@ from tests.bench.conftest import best_times
 from tunneller_lib.kernels import compiled
 from tunneller_lib.paths import geodesic_direct, geodesic_inverse
 from tunneller_lib.paths.direct_problem import KIND, panel_rule
-from tunneller_lib.paths.geodesic_root import NODES_OF_WORKING_SHEET
-from tunneller_lib.paths.inverse_problem import padded
+from tunneller_lib.paths.geodesic_root import quadratures
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 MACHINE, RING = REFERENCE_MACHINE.torus, Torus(3, 1)
@@ -66,7 +65,7 @@ def bound(bound_in_c):
     number = ctypes.c_double
     function.argtypes = [number, number, array, array, ctypes.c_long, array, array, array]
     function.restype = ctypes.c_long
-    nodes = [row.copy() for row in padded(NODES_OF_WORKING_SHEET)]
+    nodes = [row.copy() for row in quadratures(ring=False, ready=True)[0][0]]
 
     def inverse(p, q):
         found = np.empty((4, len(p)))

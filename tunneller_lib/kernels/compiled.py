@@ -1,9 +1,9 @@
 """Loops over plain numbers, which numba compiles where it is installed and the work is long.
 
 A function given to `call` works on numbers, tuples and rows that it reads and writes by index. It
-runs as it stands, on lists, or compiled, on arrays: the same statements in the same order, without
-fast-math, so that every bit of the answers is the same. It may use only what both ways compute
-alike: no powers and no `hypot`, whose last bits differ between libraries.
+runs as it stands, on lists, or compiled, on arrays. Both take the same steps in the same order,
+without fast-math, so that every bit of the answers is the same. The function may use only what both
+compute alike: no powers and no `hypot`, whose last bits differ between libraries.
 """
 
 import functools
@@ -18,12 +18,12 @@ from typing import ClassVar
 
 import numpy as np
 
-LONG = 2.0  # s of plain Python, from which on loading the compiler is worth its time
+LONG = 2.0  # s of plain Python, beyond which the time to load the compiler is well spent
 _compiling = threading.Lock()
 
 
 class _Work:
-    """The plain work expected of each kind so far, in s, and whether loops are compiled by now."""
+    """The plain work expected of each kind so far, in s, and whether loops are compiled now."""
 
     compiled = False
     of_kind: ClassVar = defaultdict(float)
@@ -31,9 +31,9 @@ class _Work:
 
 
 def replace_plain(other):
-    """Have `other`, called as `call` is, run the functions that numba doesn't.
+    """Have `other` run the functions that numba doesn't compile; it is called as `call` is.
 
-    This is for places that have another compiler, such as a web page.
+    A web page has another compiler, for one.
     """
     _Work.other = other
 
@@ -41,11 +41,12 @@ def replace_plain(other):
 def expect(seconds, kind):
     """Announce loops of a `kind` that take about so many `seconds` in plain Python.
 
-    Once more than `LONG` of a kind is expected, its loops are compiled, if numba can be imported.
+    Once all announced of a kind comes to more than `LONG`, its loops are compiled, if numba can be
+    imported.
     """
     _Work.of_kind[kind] += seconds
     if _Work.of_kind[kind] > LONG and not _Work.compiled:
-        _Work.compiled = _numba_loads()
+        _Work.compiled = _imported(sys.modules.get("numba", "not yet asked for"))
 
 
 def ready(kind):
@@ -56,8 +57,8 @@ def ready(kind):
 def each_block(work, count, size, kind):
     """Do `work` on blocks of rows that are independent of each other.
 
-    Compiled loops run without Python's lock, so that all cores take part: as many as
-    NUMBA_NUM_THREADS gives to numba.
+    Compiled loops run without Python's lock, so that blocks run on all cores, or on as many as
+    NUMBA_NUM_THREADS allows numba.
 
     Parameters
     ----------
@@ -77,16 +78,16 @@ def each_block(work, count, size, kind):
     from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor(cores) as pool:
-        for _ in pool.map(work, blocks):  # which raises what a block has raised
+        for _ in pool.map(work, blocks):  # an error in a block is raised here
             pass
 
 
 def loop(inlined=()):
-    """Return a decorator of a loop in which a compiler may handle several numbers at once.
+    """Return a decorator of a loop, which lets a compiler handle several numbers at once.
 
-    Its quotients by zero are infinite or not a number when it is compiled, as plain Python has them
-    from `elementwise.ratio`, without a branch for each; functions whose names are `inlined` become
-    part of those that call them.
+    A compiled quotient by zero is then infinite or NaN, as `elementwise.ratio` makes it in plain
+    Python, without a branch each time. Functions whose names are `inlined` become part of those
+    that call them.
     """
 
     def marked(function):
@@ -96,33 +97,30 @@ def loop(inlined=()):
     return marked
 
 
-def _numba_loads():
-    """Return whether numba is installed and works here; its import may raise any error."""
-    return _imported(sys.modules.get("numba", "not yet asked for"))
-
-
 @functools.cache  # a failed import would be tried again at every call
 def _imported(_found):
+    """Return whether numba, as found among the modules loaded so far, can be imported."""
     try:
         importlib.import_module("numba")
-    except Exception:  # of its cache, of llvmlite, of a numpy that it doesn't take
+    except Exception:  # any, by its cache, llvmlite, or a numpy too new for it
         return False
     return True
 
 
 def call(function, *arguments, kind=None, **parts):
-    """Return the answer of a `function` of numbers, tuples and rows; it may change the rows.
+    """Return what a function of numbers, tuples and rows returns, compiled if loops are by now.
 
     Parameters
     ----------
     function : function
-        Of a module of this library, as all functions that it calls.
+        It, and all functions that it calls, are of modules of this library.
     *arguments
-        Its arguments. Rows are contiguous arrays of floats or ints, (n,) or (n, m).
+        Its arguments. Rows are contiguous arrays of floats or ints, (n,) or (n, m), which the
+        function may change.
     kind : object, optional
-        The kind of loop; not needed where the caller has asked whether it is `ready`.
+        The kind of loop; needed unless the caller has asked whether it is `ready`.
     **parts
-        Functions that replace those of these names in the functions' modules.
+        Functions to be called in the place of those that have these names.
     """
     if _Work.compiled and (kind is None or ready(kind)):
         with _compiling:
@@ -132,10 +130,10 @@ def call(function, *arguments, kind=None, **parts):
 
 
 def _run(fast, arguments):
-    """Return what a compiled function answers, whatever is wrong with the form kept on the disk.
+    """Return what a compiled function returns, even if its form kept on the disk can't be used.
 
-    That may be cut short, or another's, or there may be no room for it: then any error comes before
-    a row was changed, and the function is compiled for this process alone.
+    That file may be cut short or another user's, or there may be no room for it. Any such error
+    comes before a row is changed, and the function is then compiled for this process alone.
     """
     try:
         return fast(*arguments)
@@ -145,14 +143,14 @@ def _run(fast, arguments):
 
 @functools.cache
 def _never_kept(copy):
-    """Return a copy of a function, compiled; no form of it is kept or looked for."""
+    """Return a function's copy, compiled; its compiled form is neither kept nor looked for."""
     import numba
 
     return numba.njit(copy, **copy.made_with)
 
 
 def call_plain(function, *arguments, **parts):
-    """Return what `call` does, always in plain Python and on lists."""
+    """Return what `call` does, but always in plain Python, on lists."""
     # Python reads and writes lists several times as fast as arrays.
     lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
     if parts:
@@ -181,7 +179,7 @@ def root(x):
 
 @functools.lru_cache(32)
 def _replaced(function, *parts):
-    """Return a copy of a function that calls `parts` in place of what it names."""
+    """Return a copy of a function that calls `parts` in the place of functions of their names."""
     return _copied(function, dict(parts), lambda copy: copy, {})
 
 
@@ -201,8 +199,8 @@ def _compiled(function, *parts):
         return numba.njit(copy, forceinline=copy.__name__ in inlined, **alone, **options)
 
     copy = _copied(function, dict(parts), made, known)
-    # Numba finds a kept form by the function's name. This name changes with the parts, with the
-    # text of any module that takes part, and with the numbers that are imported from others.
+    # Numba finds a kept form by the function's name. So the name is made to change with the parts,
+    # with the text of any module that takes part, and with numbers imported from other modules.
     modules = {inspect.getmodule(one) for one in (function, *known)}
     about = [part.__qualname__ for _, part in parts] + sorted(map(inspect.getsource, modules))
     named = [
@@ -221,9 +219,9 @@ def _compiled(function, *parts):
 
 
 def _copied(function, parts, made, known):
-    """Return a copy of a function that calls others as `made` of their copies, and `parts`.
+    """Return a copy of a function that calls what is `made` of copies of its callees, or `parts`.
 
-    What is made of each is `known` from then on.
+    What is made of each function is `known` from then on.
     """
     names = dict(function.__globals__)
     for name in function.__code__.co_names:

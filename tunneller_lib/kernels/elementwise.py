@@ -1,8 +1,8 @@
-"""One formula for one line and for many: operations on floats and, element by element, on arrays.
+"""One formula for one number and for many: operations on floats and, element by element, on arrays.
 
-Python adds two floats in a thirtieth of the time that numpy takes to be called. A formula made of
-sums, products and these functions runs either way, with the same bits. Many callers divide by zero
-where another branch gives the answer: with arrays they switch numpy's warnings off.
+Python adds two floats in a thirtieth of the time that it takes to call numpy. A formula made of
+sums, products and these functions runs on either, with the same bits. Many callers divide by zero
+in a branch that isn't chosen: with arrays they switch numpy's warnings off.
 """
 
 import math
@@ -12,6 +12,7 @@ import numpy as np
 
 def where(condition, yes, no):
     """Return `yes` where a condition holds, else `no`."""
+    # A comparison of floats gives one of these two, one of arrays an array.
     if condition is True:
         return yes
     if condition is False:
@@ -21,6 +22,7 @@ def where(condition, yes, no):
 
 def smaller(a, b):
     """Return the smaller of two numbers, or NaN if either is."""
+    # A comparison with NaN is false: a is asked for by itself, and b is then returned anyway.
     if type(a) is float and type(b) is float:
         return a if a <= b or a != a else b
     return np.minimum(a, b)
@@ -34,7 +36,7 @@ def larger(a, b):
 
 
 def within(x, low, high):
-    """Return x, or the limit beyond which it lies."""
+    """Return x, or the limit that it is beyond."""
     return smaller(larger(x, low), high)
 
 
@@ -69,12 +71,7 @@ def two_to(shifted):
     return math.ldexp(1.0, int(shifted - 1.5 * 2.0**52))
 
 
-def some(condition):
-    """Return whether a condition holds anywhere."""
-    return condition.any() if isinstance(condition, np.ndarray) else condition
-
-
-# ---- the same of numbers alone, for loops that may be compiled -------------
+# ---- the same for numbers alone, in loops that may be compiled -------------
 
 
 def chosen(condition, yes, no):
@@ -94,6 +91,7 @@ def greater(a, b):
 
 def rooted(x):
     """Return the square root of a number that isn't below zero."""
+    # With `math.sqrt` itself in its place, numba's loops would take nearly twice as long.
     return math.sqrt(x)
 
 
@@ -103,13 +101,8 @@ def quotient(a, b):
 
 
 def divided(a, b):
-    """Return a / b in a `compiled.loop`, whose quotients by zero are those of arrays."""
+    """Return a / b in a `compiled.loop`, where quotients by zero are as those of arrays."""
     return a / b
-
-
-def holds(condition):
-    """Return whether a condition holds."""
-    return condition
 
 
 def power_in_bits(x):
@@ -118,29 +111,19 @@ def power_in_bits(x):
 
 
 def two_to_bits(shifted):
-    """Return `two_to` of a number."""
+    """Return `two_to` by the bits: the last bits of `shifted` are n, and go into the exponent."""
     return np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
 
 
-# What `compiled.call` puts in their place:
-NUMBERS = {
-    "where": chosen,
-    "smaller": lesser,
-    "larger": greater,
-    "square_root": rooted,
-    "ratio": quotient,
-    "some": holds,
-    "power_above": power_in_bits,
-    "two_to": two_to_bits,
-}
-# For `compiled.call_plain`, where the root of a negative number raises ValueError.
+# What `compiled.call_plain` puts in their place. The root of a negative number raises ValueError.
 PLAIN = {
     "where": chosen,
     "smaller": lesser,
     "larger": greater,
     "square_root": math.sqrt,
     "ratio": quotient,
-    "some": holds,
 }
-# Numpy's own numbers may be infinite or NaN, which these take by their bits.
+# Numpy's own numbers may be infinite or NaN, where `math.ldexp` and whole numbers end; a compiled
+# loop is faster by the bits than by calls of the C library.
 IEEE = {"power_above": power_in_bits, "two_to": two_to_bits}
+NUMBERS = PLAIN | IEEE | {"square_root": rooted}  # for `compiled.call`

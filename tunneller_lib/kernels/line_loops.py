@@ -1,4 +1,4 @@
-"""The loop over lines for `compiled.call`, by the formulas that serve rows of lines, too."""
+"""The loop over lines for `compiled.call`, by the same formulas as for rows of lines."""
 
 import math
 
@@ -7,15 +7,16 @@ from .vectors import differences
 
 
 def quick(shape, q, u):
-    """Return `enter`, `leave` and whether they are sure: the name stands for a shape's quick way.
+    """Return no `enter` and `leave`, and that they aren't sure: for shapes without a quick way.
 
-    Parameters: a point from the shape's start, in m, and a direction, three floats each.
+    A shape's own quick way takes this one's place. Its parameters are a point, counted from the
+    shape's start, in m, and a direction, three floats each.
     """
-    raise NotImplementedError
+    return math.inf, -math.inf, False
 
 
 def careful(shape, p, u):
-    """Return `enter` and `leave`: the name stands for a shape's careful way, with p as given."""
+    """Return `enter` and `leave` by a shape's careful way, for which this name stands."""
     raise NotImplementedError
 
 
@@ -25,13 +26,13 @@ def meet_lines(shape, plain, points, directions, enter, leave):
     Parameters
     ----------
     shape : NamedTuple
-        Its `start`, in m, is one of its points.
+        Its `start`, in m, is one of the shape's points.
     plain : bool
         Whether the quick way may decide.
     points, directions : (n, 3) or (1, 3) float
-        Points of the lines, in m, and their directions; one may be the same for all.
+        Points of the lines, in m, and their directions; a single one is for all lines.
     enter, leave : (n,) float
-        To be filled.
+        Filled with the answers.
     """
     for i in range(len(enter)):
         k = i if len(points) > 1 else 0
@@ -48,8 +49,8 @@ def meet_lines(shape, plain, points, directions, enter, leave):
         leave[i] = last
 
 
-# Numbers may be NaN here, as beside a shape, and of any size: so these differ from those that
-# other loops have.
+# Numbers may be NaN here, as of a line beside a shape, and of any size. So these functions differ
+# from those of other loops.
 
 
 def root_or_none(x):
@@ -58,14 +59,9 @@ def root_or_none(x):
 
 
 def power_of(x):
-    """Return the power of two next above a size."""
+    """Return the exponent of the power of two next above a size."""
     return math.frexp(x)[1]
 
 
-def shifted(x, power):
-    """Return x times a power of two."""
-    return math.ldexp(x, power)
-
-
 # What `compiled.call` puts in the place of what formulas call.
-FOR_LINES = {**NUMBERS, "square_root": root_or_none, "power_above": power_of, "scaled": shifted}
+FOR_LINES = {**NUMBERS, "square_root": root_or_none, "power_above": power_of, "scaled": math.ldexp}

@@ -1,8 +1,8 @@
 """Elementary functions of a float whose bits are the same everywhere, in plain Python or compiled.
 
-They are made of sums, products, quotients and roots, in one order. Those of the C library, of numpy
-and of a compiler differ in their last bits, from processor to processor as well. Each is right to
-two roundings of its value.
+They are made of sums, products, quotients and roots in a fixed order. The functions of the C
+library, of numpy and of compilers differ in their last bits, and also from processor to processor.
+Each value here is right to two roundings.
 """
 
 import math
@@ -11,13 +11,14 @@ import numpy as np
 
 from .elementwise import power_above, square_root, two_to, within
 
-WHOLE = 1.5 * 2.0**52  # adding and subtracting it rounds to whole numbers
-FAR = 2.0**21  # rad
+WHOLE = 1.5 * 2.0**52  # adding and subtracting it rounds to a whole number
+FAR = 2.0**21  # rad, up to which products of whole turns with _HALF_PI are exact
 
-# Parts of numbers, the first of so few bits that its products with small whole numbers are exact.
+# Numbers in parts, from the greatest down. All but the last have so few bits that their products
+# with small whole numbers are exact.
 _HALF_PI = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
 _LOG2 = 0.6931471803691238, 1.9082149292705877e-10
-_PER_LOG2 = 1.4426950408889634  # one over their sum; a logarithm has last bits of its own
+_PER_LOG2 = 1.4426950408889634  # 1 / log(2), as a number, for libraries' logarithms differ
 
 _FRACTIONS = [1 / math.factorial(k) for k in range(19)]
 _E2, _E3, _E4, _E5, _E6, _E7, _E8, _E9, _E10, _E11, _E12, _E13 = _FRACTIONS[2:14]
@@ -36,17 +37,18 @@ def growth(x):
     high = ((((_E13 * r + _E12) * r + _E11) * r + _E10) * r + _E9) * r + _E8
     rest = ((((((high * r + _E7) * r + _E6) * r + _E5) * r + _E4) * r + _E3) * r + _E2) * (r * r)
     scale = two_to(power + WHOLE)
-    # The sum with scale - 1, which is exact, keeps the digits where x is small and power zero.
+    # scale - 1 is exact, and zero where x is small: there the sum keeps all digits of r + rest.
     return scale * (r + rest) + (scale - 1)
 
 
 def area_sine(x):
     """Return the inverse hyperbolic sine of x from 0 to 1e150."""
-    # It is the logarithm of 1 + above, and that of a power of two and what is left of it.
+    # It is the logarithm of 1 + above, or that of a power of two plus that of what is left.
     above = x + x * x / (1 + square_root(1 + x * x))
     power = power_above(0.7 * (1 + above)) + 0.0
-    # Where the power is one, `above` itself has the digits of a small logarithm.
+    # Where the power of two is 1 itself, `above` has the digits that 1 + above has lost.
     left = above if power == 0 else (1 + above) / two_to(power + WHOLE) - 1
+    # log(1 + left) is twice the inverse hyperbolic tangent of s, whose series is odd.
     s = left / (2 + left)
     z = s * s
     low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13
@@ -57,7 +59,7 @@ def area_sine(x):
 def sine_cosine(x):
     """Return the sine and the cosine of x, from -3.9 to 3.9."""
     quarter = (x * (2 / math.pi) + WHOLE) - WHOLE
-    # In three parts pi / 2 has so many digits that next to a multiple of it none is lost.
+    # With pi/2 in three parts no digit of r is lost next to a multiple of it.
     r = ((x - quarter * _HALF_PI[0]) - quarter * _HALF_PI[1]) - quarter * _HALF_PI[2]
     z = r * r
     rest = ((((((_S17 * z + _S15) * z + _S13) * z + _S11) * z + _S9) * z + _S7) * z + _S5) * z
@@ -74,7 +76,7 @@ def sine_cosine(x):
 def reduced(angle):
     """Return angles (n,), in rad, reduced to -pi to pi by exact multiples of 2 pi.
 
-    They are right to the last digits of what is left, as the sine of a far angle is.
+    They are right to their own last digits, as the sine of a far angle is.
     """
     far = abs(angle) > math.pi
     if not far.any():
@@ -82,7 +84,7 @@ def reduced(angle):
     turns = (angle / (2 * math.pi) + WHOLE) - WHOLE
     high, middle, low = (4 * part for part in _HALF_PI)
     left = ((angle - turns * high) - turns * middle) - turns * low
-    if not (abs(angle) < FAR).all():  # such turns times a part of pi aren't exact
+    if not (abs(angle) < FAR).all():  # beyond, turns times a part of pi aren't exact
         left = np.where(abs(angle) < FAR, left, np.arctan2(np.sin(angle), np.cos(angle)))
     return np.where(far, within(left, -math.pi, math.pi), angle)
 
@@ -91,7 +93,8 @@ def arctangent(y, x):
     """Return the angle of the direction (x, y), from -pi to pi; zero where both are zero."""
     steep = abs(y) > abs(x)
     big, small = (abs(y), abs(x)) if steep else (abs(x), abs(y))
-    # Turned back by pi / 4 where that is nearer, and halved, the angle is at most pi / 16.
+    # Between 0 and pi/4 now, the angle is turned back by pi/4 where that is nearer, and halved. So
+    # it is small, at most about pi/16 to either side, where the series is short.
     nearer = small > 0.4 * big
     across, along = (small - big, small + big) if nearer else (small, big)
     tangent = across / along if big > 0 else across
@@ -100,7 +103,7 @@ def arctangent(y, x):
     low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13
     rest = (((((low * z + _A11) * z + _A9) * z + _A7) * z + _A5) * z + _A3) * z
     angle = 2 * (tangent + tangent * rest)
-    # Back to the octant; parts of pi / 2 are added from the small one up.
+    # Back to the octant. Of pi/2 the smaller parts are added first, lest their digits be lost.
     low = _HALF_PI[1] + _HALF_PI[2]
     if nearer:
         angle = _HALF_PI[0] / 2 + (low / 2 + angle)

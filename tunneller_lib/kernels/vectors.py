@@ -1,4 +1,4 @@
-"""Vectors as three numbers each, or as three rows of many."""
+"""Vectors of three numbers each, or of three rows, one for each coordinate of many vectors."""
 
 from .elementwise import larger, power_above, scaled, square_root, where
 
@@ -43,7 +43,7 @@ def multiples(factor, v):
 
 
 def shares(v, parts):
-    """Return vectors divided by numbers, none zero."""
+    """Return vectors divided by numbers, none of which is zero."""
     return v[0] / parts, v[1] / parts, v[2] / parts
 
 
@@ -57,17 +57,18 @@ def either(condition, yes, no):
 
 
 def near_one(v):
-    """Return vectors over powers of two that bring them near 1, and their exponents.
+    """Return vectors divided by powers of two, so that their sizes are near 1, and the exponents.
 
-    No digit changes, and the squares are in range.
+    No digit changes by that, and squares neither over- nor underflow.
     """
     x, y, z = v
     power = power_above(larger(larger(abs(x), abs(y)), abs(z)))
+    # The greatest component decides, so that no other one can overflow.
     return (scaled(x, -power), scaled(y, -power), scaled(z, -power)), power
 
 
 def unit_and_speed(direction):
-    """Return the unit vectors along directions, none of them zero, and the lengths of these."""
+    """Return the unit vectors along directions, none of which is zero, and their lengths."""
     along, power = near_one(direction)
     speed = lengths(along)
     return shares(along, speed), scaled(speed, power)

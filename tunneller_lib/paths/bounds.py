@@ -1,4 +1,4 @@
-"""What may be asked of a path: how many points, at which shares of the way, between which ends."""
+"""Rules for what may be asked of a path: how many points, at which shares, between which ends."""
 
 import math
 from typing import Literal
@@ -10,15 +10,14 @@ from ..arguments import Array, Whole
 MOST_POINTS = 5_000_000  # of all paths of a call together: a few seconds, some hundred megabytes
 MOST_RATIO = 1e100  # of r and R, either way
 
-
 Count = Whole(2, 1_000_000)
-# Of `CHORD_PATHS`, those by which a machine may go from knot to knot.
+# The `CHORD_PATHS` by which a machine may go from knot to knot.
 Way = Literal["projected chord", "corrected chord"]
 Row = Array("(n,) float")
 
 
 def check_points(n, shape):
-    """Raise ValueError where n points of each of as many paths as `shape` holds are too many."""
+    """Raise ValueError where n points are too many for each of the paths of an array of `shape`."""
     paths = math.prod(shape)
     if n * paths > MOST_POINTS:
         raise ValueError(
@@ -39,7 +38,7 @@ def check_on_sheet(torus, p, q):
 
 
 def check_ratio(torus):
-    """Raise ValueError where the radii of a torus are out of all proportion."""
+    """Raise ValueError where one radius of a torus is over 1e100 times the other."""
     if not 1 / MOST_RATIO <= torus.r / torus.R <= MOST_RATIO:
         raise ValueError(
             f"torus: r / R must be from {1 / MOST_RATIO:g} to {MOST_RATIO:g}, so that nothing "

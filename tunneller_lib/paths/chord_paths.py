@@ -1,7 +1,7 @@
 """Other ways between two joint positions that could stand in for a geodesic.
 
-All but the straight line in joint space drop the points M(t) of the chord onto the torus: along
-which direction is the whole difference.
+All of them but the straight line in joint space drop the points M(t) of the chord onto the torus;
+they differ in the direction along which they do.
 """
 
 from collections.abc import Callable
@@ -15,29 +15,30 @@ from ..kernels.exact import dot, norm, radius_and_excess
 from ..surfaces import Torus
 from ..surfaces.torus import torus_angles, torus_normal
 from .bounds import Row, check_on_sheet
+from .chord_law import normals
 from .correction import corrected_points
 from .projection import chord_points, feet, projected
 from .quadrature import path_lengths
 
-ROUNDS = 8  # of Newton's method, which doubles its digits; on a working sheet four are enough
+ROUNDS = 8  # of Newton's method, each of which doubles the digits; four do on a working sheet
 
 
 @dataclass(frozen=True)
 @checked
 class ChordPath:
-    """A way that could stand in for a geodesic, with its look in drawings.
+    """A way that could stand in for a geodesic, and how drawings show it.
 
     Parameters
     ----------
     name : str
-        What tables and legends call it.
+        Its name in tables and legends.
     way : callable
-        Of a torus, positions p and q (..., 2) in rad and shares t (n,), 0 at p and 1 at q, to
-        positions (..., n, 2).
+        Returns the positions (..., n, 2) for a torus, positions p and q (..., 2), in rad, and
+        shares t (n,), 0 at p and 1 at q.
     colour : str
         Its role in `kit.COLOURS`.
     line : str or tuple
-        Its line style, of matplotlib, that tells it apart in grey, too.
+        Its line style in matplotlib, by which it can be told in grey as well.
     """
 
     name: str
@@ -65,7 +66,7 @@ class ChordPath:
             a chord through the centre of the torus.
         """
         check_on_sheet(torus, p, q)
-        with np.errstate(all="ignore"):  # where there is no path the next lines say so
+        with np.errstate(all="ignore"):  # where there is no path the next lines raise
             found = self.way(torus, p, q, t)
         if not np.all(np.isfinite(found)):
             raise ValueError(
@@ -76,11 +77,12 @@ class ChordPath:
 
 
 def _one_third_rule(torus, p, q, t):
-    """Return the path on a torus from p to q that mixes the normals at M(t) and in the middle.
+    """Return the path on a torus from p to q that mixes the normals at M(t) and at the middle.
 
-    Our proposal: a third of M's own normal and two thirds of the middle's cancel the leading term
-    of the projected chord's error. In practice m becomes m - 2/3 d (n - n0) before it is
-    projected: d is its depth below the surface, n its own outward normal, n0 the middle's.
+    This is our proposal: with a third of M's own normal and two thirds of the middle's the leading
+    term of the projected chord's error cancels. So m is moved to m - 2/3 d (n - n0) before it is
+    projected, where d is its depth below the surface, n the outward normal at its own foot, and n0
+    that at the middle's.
     """
     m = chord_points(torus, p, q, t)
     depth = _depth(torus, m)[..., None]
@@ -90,19 +92,20 @@ def _one_third_rule(torus, p, q, t):
 def _simpson_rule(torus, p, q, t):
     """Return the path on a torus from p to q that weighs normals as Simpson's rule does.
 
-    M(t) is dropped along (n + 4 n0 + nc) / 6, where nc is the chord between the ends' normals at
-    t. That cancels what torsion and its rate do; what the rate of curvature does is left.
+    M(t) is dropped along (n + 4 n0 + nc) / 6, where nc is the point at t of the chord between the
+    ends' normals. That cancels the effects of torsion and of its rate; that of the rate of
+    curvature is left.
     """
     return feet(torus, _simpson_points(torus, p, q, t))
 
 
 def _completed_simpson_rule(torus, p, q, t):
-    """Return Simpson's path on a torus from p to q without what the rate of curvature leaves.
+    """Return Simpson's path on a torus from p to q, less the effect of the rate of curvature.
 
-    The ends alone tell it: (Q - P) . (nP + nQ) is the rate of curvature times l^3 / 6, and
-    nQ - nP is the torsion times l across the chord.
+    The ends alone tell that effect: (Q - P) . (nP + nQ) is the rate of curvature times l^3 / 6, and
+    nQ - nP is, across the chord, the torsion times l.
     """
-    first, last = _end_normal(p), _end_normal(q)
+    first, last = normals(p), normals(q)
     start, stop = (chord_points(torus, p, q, np.array([end]))[..., 0, :] for end in (0.0, 1.0))
     u = (t * (1 - t))[:, None]
     rate = dot(stop - start, first + last)[..., None, None]
@@ -111,32 +114,33 @@ def _completed_simpson_rule(torus, p, q, t):
 
 
 def _simpson_points(torus, p, q, t):
-    """Return M(t), moved so that its foot is where Simpson's rule drops it."""
+    """Return M(t), moved so that its foot is where Simpson's rule drops M(t)."""
     m = chord_points(torus, p, q, t)
     normal = _normal(torus, m)
-    between = (1 - t)[:, None] * _end_normal(p)[..., None, :]
-    between = between + t[:, None] * _end_normal(q)[..., None, :]
+    between = (1 - t)[:, None] * normals(p)[..., None, :]
+    between = between + t[:, None] * normals(q)[..., None, :]
+    # From there M drops along its own normal to where it would drop along the mean.
     mean = (normal + 4 * _middle_normal(torus, p, q) + between) / 6
     return m + _depth(torus, m)[..., None] * (mean - normal)
 
 
 def _plane_section(torus, p, q, t):
-    """Return the torus' section from p to q by a plane, M(t) along the normal of the middle."""
+    """Return the torus' section from p to q by the plane of the chord and the middle's normal."""
     return _dropped(torus, chord_points(torus, p, q, t), _middle_normal(torus, p, q))
 
 
 def _radial_projection(torus, p, q, t):
-    """Return the chord from p to q projected from the centre of the torus, M(t) by M(t)."""
+    """Return the chord from p to q, each M(t) projected from the centre of the torus."""
     m = chord_points(torus, p, q, t)
     return _dropped(torus, m, m / norm(m)[..., None])
 
 
 def _joint_line(_, p, q, t):
-    """Return the straight line from p to q at t in the plane of the joint angles, for any torus."""
+    """Return the straight line from p to q in the plane of the joint angles, on any torus."""
     return p[..., None, :] + t[..., None] * (q - p)[..., None, :]
 
 
-# A further one is one entry here; `make atlas` then adds it to the atlas of ratios.
+# Another path is one more entry here; `make atlas` then adds it to the atlas of ratios.
 CHORD_PATHS = {
     path.name: path
     for path in (
@@ -148,7 +152,7 @@ CHORD_PATHS = {
         ChordPath("corrected chord", corrected_points, "corrected", (0, (8, 2))),
     )
 }
-# The better the shorter the chord is, and poor from corner to corner: laws, no tools.
+# These are the better the shorter the chord is, but poor from corner to corner.
 SHORT_CHORD_PATHS = {
     path.name: path
     for path in (
@@ -174,20 +178,20 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     Returns
     -------
     length : (...) float
-        In m, to 1e-9 of itself, or to 1e-13 (r + R) where that is more; mostly to rounding. The
-        angles may be of any size.
+        In m, right to 1e-9 of itself, or to 1e-13 (r + R) where that is more, and mostly to
+        rounding. The angles may be of any size.
 
     Raises
     ------
     ValueError
-        If an end isn't on the working sheet, or the path doesn't join them: if there is none, or
-        it jumps, or nearly, as where a chord passes the axis or the ring circle far nearer than
-        1e-6 (r + R).
+        If an end isn't on the working sheet, or the path doesn't join the ends: there may be none,
+        or it jumps, or all but jumps, as where a chord passes the axis or the ring circle far
+        nearer than 1e-6 (r + R).
 
     Notes
     -----
-    Gauss-Legendre quadrature of the speed of polynomials through the path, on panels: as many as
-    its swings take, see `quadrature.panels`.
+    The path is cut into panels, as many as its swings take, and polynomials are laid through each.
+    Their speed is integrated by Gauss and Legendre's quadrature, see `quadrature.panels`.
 
     Examples
     --------
@@ -196,16 +200,12 @@ def path_length(torus: Torus, path: ChordPath, p: Positions, q: Positions):
     0.63
     """
     check_on_sheet(torus, p, q)
-    # The torus turns about its axis. Angles beyond a turn are counted from p's: their own roundings
-    # would pass for steps of the path.
+    # A turn about the axis moves the torus into itself. So theta is counted from p where it is
+    # beyond a turn: the roundings of great angles would pass for steps of the path.
     far = np.maximum(np.abs(p[..., 0]), np.abs(q[..., 0])) > 2 * np.pi
     start = np.stack([np.where(far, p[..., 0], 0.0), np.zeros_like(far, float)], axis=-1)
     p, q = p - start, q - start
     return path_lengths(torus, partial(path, torus), p, q)
-
-
-def _end_normal(end):
-    return torus_normal(end[..., 0], end[..., 1])
 
 
 def _middle_normal(torus, p, q):
@@ -219,13 +219,15 @@ def _normal(torus, m):
 
 
 def _depth(torus, m):
-    """Return how deep points lie below the tube's surface, negative outside."""
+    """Return how deep points lie below the tube's surface, negative outside of it."""
     x, y, z = np.moveaxis(m, -1, 0)
+    # rho - r to its last digits: near the ring circle a plain difference would lose them.
     return torus.R - np.hypot(radius_and_excess(x, z, torus.r)[1], y)
 
 
 def _dropped(torus, m, direction):
     """Return where points meet the torus along unit directions, by Newton's method on the depth."""
+    # The depth falls along the direction by the cosine of its angle to the normal.
     for _ in range(ROUNDS):
         step = _depth(torus, m) / dot(_normal(torus, m), direction)
         m = m + step[..., None] * direction

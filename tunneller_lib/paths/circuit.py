@@ -10,9 +10,9 @@ from ..surfaces import Machine, Section
 from .bounds import Row, Way
 from .chord_paths import CHORD_PATHS
 
-PLACES = 33  # of each projected chord at which its depth is looked at
+PLACES = 33  # of each path between knots at which its overbreak is taken
 LEAST_SIZE, MOST_SIZE = 1e-6, 1e6  # m
-MOST_KNOTS = 20_000  # far beyond any machine: 1e-8 m in a tunnel of a metre
+MOST_KNOTS = 20_000  # far more than any machine needs: they keep 1e-8 m in a tunnel of a metre
 
 
 @checked
@@ -37,8 +37,8 @@ def cutting_circuit(machine: Machine, section: Section, *, pitch: Angle = 0.0, y
     Raises
     ------
     ValueError
-        If the machine can't reach all of it, with the inequality that fails, or with the angles
-        that it would need.
+        If the machine can't reach all of it. The message has the inequality that fails, or the
+        angles that it would need.
 
     Examples
     --------
@@ -62,9 +62,9 @@ def cutting_circuit(machine: Machine, section: Section, *, pitch: Angle = 0.0, y
 @dataclass(frozen=True)
 @checked
 class Circuit:
-    """A circuit of the cutter's centre, by arc length s along the offset section, in m.
+    """A circuit of the cutter's centre, as a function of arc length s along the offset section.
 
-    `cutting_circuit` makes one after checking that the machine reaches all of it.
+    `cutting_circuit` makes one after checking that the machine reaches all of it; s is in m.
 
     Parameters
     ----------
@@ -83,9 +83,9 @@ class Circuit:
 
     Notes
     -----
-    Tunnelling robot, sections 1.1 and 3.2.2. The wanted path is this intersection and not a
-    geodesic; straight moves only join its knots. Points are in the frame of the machine (origin
-    in the torus' centre), section coordinates (y, z) in the frame of the tunnel.
+    Tunnelling robot, sections 1.1 and 3.2.2. The wanted path is this intersection, not a geodesic;
+    paths that stand in for geodesics only join its knots. Points are in the frame of the machine,
+    with the origin in the torus' centre, section coordinates (y, z) in the frame of the tunnel.
     """
 
     machine: Machine
@@ -97,8 +97,8 @@ class Circuit:
         size = self.machine.r + self.machine.R
         if not LEAST_SIZE <= size <= MOST_SIZE:
             raise ValueError(
-                f"machine: r + R must be from {LEAST_SIZE:g} to {MOST_SIZE:g} m, for lines are "
-                f"told by points a metre apart; got {size:g} m."
+                f"machine: r + R must be from {LEAST_SIZE:g} to {MOST_SIZE:g} m, for rulings are "
+                f"given by points a metre apart; got {size:g} m."
             )
 
     @property
@@ -116,6 +116,7 @@ class Circuit:
         """Return the machine's axes in the tunnel's frame, as the columns of a matrix (3, 3)."""
         c, s = np.cos(self.pitch), np.sin(self.pitch)
         cy, sy = np.cos(self.yaw), np.sin(self.yaw)
+        # The pitch turns about the machine's y axis first, then the yaw about the tunnel's z axis.
         return np.array([[cy * c, -sy, cy * s], [sy * c, cy, sy * s], [-s, 0.0, c]])
 
     @checked
@@ -139,9 +140,9 @@ class Circuit:
 
         Notes
         -----
-        Where the axes are parallel Eq. 5 is biquadratic and the angles follow at once;
-        otherwise the ruling meets the torus in up to four points, of which the document takes
-        the one of greatest x.
+        Where the axes are parallel, Eq. 5 is biquadratic and the angles follow at once. Otherwise
+        the ruling meets the torus in up to four points, of which the document takes the one with
+        the greatest x.
         """
         y, z = np.moveaxis(self.profile.point(s), -1, 0)
         z = z - self.machine.height
@@ -153,9 +154,11 @@ class Circuit:
             missed |= np.abs(z) > rho
             self._refuse(missed, s)
             return np.stack([np.arcsin(-z / rho), np.arcsin(y / torus.R)], axis=-1)
+        # A product with the axes from the right takes vectors to the machine's frame.
         a = np.stack([np.zeros(y.size), y.ravel(), z.ravel()], axis=-1) @ self.axes
         along = self.axes[0]  # the tunnel's direction, seen by the machine
-        self._refuse(np.hypot(y, z).ravel() > 2 * (torus.r + torus.R), s)  # beyond all rounding
+        # A ruling so far off misses for sure, and needn't be solved for.
+        self._refuse(np.hypot(y, z).ravel() > 2 * (torus.r + torus.R), s)
         t = torus.meet_line(a, a + along)
         self._refuse(np.isnan(t[:, 0]), s)
         farthest = np.nanargmax(t * along[0], axis=-1)
@@ -163,6 +166,7 @@ class Circuit:
         return np.stack(torus.angles(point), axis=-1).reshape(*y.shape, 2)
 
     def _refuse(self, missed, s):
+        """Raise ValueError with the first arc length s whose ruling has `missed` the torus."""
         if np.any(missed):
             first = np.ravel(s)[np.flatnonzero(missed)[0]]
             raise ValueError(
@@ -180,7 +184,7 @@ class Circuit:
     def reach(self):
         """Return the least and the greatest joint positions (2,) on the circuit, in rad.
 
-        Sampled, and sampled anew about each extreme until it is known to rounding.
+        The circuit is sampled, and sampled anew about each extreme until that is known to rounding.
         """
         step = self.profile.perimeter / 720
         s = step * np.arange(720)
@@ -189,6 +193,7 @@ class Circuit:
             low = position.min(axis=0)
             high = position.max(axis=0)
             extremes = s[np.concatenate([position.argmin(axis=0), position.argmax(axis=0)])]
+            # The next samples lie within a step of each extreme, 32 times as close.
             s = (extremes[:, None] + step * np.linspace(-1, 1, 65)).ravel()
             step /= 32
         return low, high
@@ -230,13 +235,14 @@ class Circuit:
         Returns
         -------
         axes : (..., 3, 3) float
-            As the columns of a matrix: along the arm, to its left, and up.
+            As the columns of a matrix: along the arm, to its left, and upwards.
         """
         theta, phi = np.moveaxis(position, -1, 0)
         level = np.stack([np.cos(theta), 0 * theta, -np.sin(theta)], axis=-1)
         up = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1)
         left = np.array([0.0, 1.0, 0.0])
         c, s = np.cos(phi)[..., None], np.sin(phi)[..., None]
+        # At phi = 0 the arm lies along `level`, and phi turns it to the left, about `up`.
         return self.axes @ np.stack([c * level + s * left, c * left - s * level, up], axis=-1)
 
     @checked
@@ -270,7 +276,7 @@ class Circuit:
         Returns
         -------
         overbreak : (n, 33) float
-            At as many places of each path, both ends included, in m.
+            At 33 places of each path, both ends included, in m.
         """
         position = self.position(s)
         after = np.roll(position, -1, axis=0)
@@ -279,7 +285,7 @@ class Circuit:
 
     @checked
     def knots(self, tolerance: Positive, *, path: Way = "projected chord"):
-        """Return arc lengths of knots between which paths keep the depth.
+        """Return arc lengths of knots between which the paths keep to the profile.
 
         Parameters
         ----------
@@ -291,8 +297,8 @@ class Circuit:
         Returns
         -------
         s : (n,) float
-            In m, ascending from 0; the loop closes from the last knot to the first. Every blend
-            of the section is a knot, and each arc is divided evenly.
+            In m, ascending from 0; the last path leads back to the first knot. Every blend of the
+            section is a knot, and each arc between blends is divided evenly.
 
         Raises
         ------
@@ -301,9 +307,9 @@ class Circuit:
 
         Notes
         -----
-        The sagitta of a plane chord would ask for steps of sqrt(8 radius tolerance). The normal
-        projection undoes part of it where the torus leans against the wall, so each arc starts
-        from half as many knots and is divided until the projected paths keep the tolerance.
+        By the sagitta of a plane chord steps would be sqrt(8 radius tolerance) long. Normal
+        projection undoes part of the sagitta where the torus leans against the wall. So each arc
+        starts with half as many knots, and is divided until the paths keep the tolerance.
         """
         blends = self.profile.blends
         radius = np.array([arc.radius for arc in self.profile.arcs])
@@ -319,8 +325,8 @@ class Circuit:
             kept = worst <= tolerance
             if np.all(kept):
                 return s
-            # The error falls with the square of the number; approach from below, by one at least,
-            # also where the error isn't known.
+            # The error falls with the square of the number. There is one knot more at least, also
+            # where the error is NaN: `fmax` passes over it.
             more = np.fmax(np.floor(counts * np.sqrt(worst / tolerance)), counts + 1)
             counts = np.where(kept, counts, more)
         raise ValueError(

@@ -1,4 +1,4 @@
-"""The test case of the appendix: on a cone the geodesic is known. Eqs 17 to 19 and the table."""
+"""The test case of the appendix, a cone, whose geodesics are known: Eqs 17 to 19 and the table."""
 
 from dataclasses import dataclass
 
@@ -10,8 +10,7 @@ from .quadrature import gauss_rule
 
 FACTOR = 1e8  # by which the three lengths may differ
 APART = 1e-9  # turns by which f must keep away from whole and half ones
-SLACK = 1e-9  # of a turn's angle, by which rounding may carry an azimuth past an end
-
+SLACK = 1e-9  # of the turn, by which rounding may carry an azimuth past an end
 
 Fractions = Array("(...) float", low=0.0, high=1.0)
 
@@ -28,20 +27,20 @@ class ConeChord:
     h : float
         Distance of Q below the apex, in m.
     f : float
-        Fraction of a turn from P to Q. Whole turns are left out, and past a half turn the
-        chord, and the shorter geodesic, go the other way round.
+        Fraction of a turn from P to Q. Whole turns don't count, and past a half turn the chord, and
+        the shorter geodesic, go the other way round.
 
     Raises
     ------
     ValueError
         If a length isn't above zero, two of them differ by more than a factor of 1e8, or f is
-        within 1e-9 of a whole or a half turn: the chord then lies on a ruling, or meets the axis,
-        where the foot jumps.
+        within 1e-9 of a whole turn, where the chord lies on a ruling, or of a half turn, where it
+        meets the axis and the foot jumps.
 
     Notes
     -----
-    Tunnelling robot, appendix. The document gives the point M only for f = 1/4; here for any f.
-    Its theta = (S/R) phi is taken by atan2, because phi passes 90 degrees on wide cones.
+    Tunnelling robot, appendix. The document gives the point M only for f = 1/4; here f may be any.
+    The document's theta = (S/R) phi is got by atan2, because phi passes 90 degrees on wide cones.
     """
 
     R: Length
@@ -67,6 +66,7 @@ class ConeChord:
     @property
     def turn(self):
         """Return the azimuth of Q, the shorter way round, in rad (the document's Theta_f)."""
+        # Without the nearest whole number of turns the shorter way round is left.
         return 2 * np.pi * (self.f - np.round(self.f))
 
     @property
@@ -77,7 +77,7 @@ class ConeChord:
 
     @checked
     def geodesic(self, u: Fractions):
-        """Return the geodesic's points N_d, a straight line on the development (Eq. 17).
+        """Return points N_d of the geodesic, which is straight on the development (Eq. 17).
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class ConeChord:
 
     @checked
     def chord_point(self, azimuth: Angles):
-        """Return the points M (..., 3), in m, where the chord meets planes on the axis (Eq. 19).
+        """Return the points M (..., 3), in m, where the chord meets planes by the axis (Eq. 19).
 
         Parameters
         ----------
@@ -128,6 +128,8 @@ class ConeChord:
             raise ValueError(
                 f"azimuth: must lie between 0 and the chord's turn, {self.turn:g} rad; got others."
             )
+        # Seen from the axis, M divides the chord as H sin(azimuth) to h sin(turn - azimuth): each
+        # is the distance of an end from M's plane, up to one factor.
         near = self.H * np.sin(azimuth)
         far = self.h * np.sin(self.turn - azimuth)
         start, stop = self.cone.point(self.ends, [0.0, self.turn])
@@ -145,8 +147,8 @@ class ConeChord:
         Returns
         -------
         distance : (...) float
-            In m, of the foot of M on its own side of the axis: the scalar product of (rho, |z|)
-            with the ruling. The document solves its quadratic Eq. 16 instead.
+            In m, of the foot of M on its own side of the axis. It is the scalar product of
+            (rho, |z|) with the unit vector of the ruling; the document solves its quadratic Eq. 16.
         """
         m = self.chord_point(azimuth)
         sin = np.sin(self.cone.half_angle)
@@ -165,9 +167,9 @@ class ConeChord:
         Returns
         -------
         columns : (..., 5) float
-            u, phi (rad), LN, NN, NN - LN (m). NN is the geodesic's distance from the apex, phi its
-            angle on the development. The column heads are missing in the document; its columns
-            come out in this order.
+            u, phi (in rad), LN, NN and NN - LN (in m). NN is the geodesic's distance from the apex,
+            phi its angle on the development. The document's table has no heads; in this order its
+            columns come out.
         """
         plane = self.geodesic(u)
         phi = np.arctan2(plane[..., 1], plane[..., 0])
@@ -194,12 +196,13 @@ class ConeChord:
         Returns
         -------
         deviation : (...) float
-            At right angles to the geodesic, in m, positive towards the apex, like NN - LN, by which
-            the document compares at equal azimuth and which is longer by the slant.
+            At right angles to the geodesic, in m, positive towards the apex. The document's
+            NN - LN, at equal azimuth, has the same sign and is longer, for it is measured aslant.
         """
         start, stop = self.geodesic([0.0, 1.0])
         along = (stop - start) / np.hypot(*(stop - start))
         offset = self.path(u) - start
+        # The apex lies to the left of the geodesic if the azimuth grows, else to its right.
         across = along[0] * offset[..., 1] - along[1] * offset[..., 0]
         return np.sign(self.turn) * across
 
@@ -212,15 +215,16 @@ class ConeChord:
     def path_length(self):
         """Return the length of the tangent-sphere path from P to Q, in m.
 
-        Gauss-Legendre quadrature, with the chord in plan written as gap sinh(w) along and gap
-        away from the axis: near half a turn the foot hurries round the axis, which w stretches.
+        Gauss-Legendre quadrature over w: in plan the chord passes the axis at a distance `gap`, and
+        gap sinh(w) is the way along it. Near half a turn the foot hurries round the axis; the
+        variable w spreads that out.
         """
         nodes, weights = gauss_rule(64)
         start, stop = self.cone.point(self.ends, [0.0, self.turn])
         chord = stop - start
         sin = np.sin(self.cone.half_angle)
         cos = np.cos(self.cone.half_angle)
-        # The chord in plan passes the axis at `gap`, `along` before and behind its nearest point.
+        # The ends of the chord are `along` behind its point nearest to the axis.
         plan = np.hypot(chord[0], chord[1])
         gap = np.abs(start[0] * chord[1] - start[1] * chord[0]) / plan
         along = np.array([start[:2] @ chord[:2], stop[:2] @ chord[:2]]) / plan
@@ -228,8 +232,8 @@ class ConeChord:
         w = np.interp(nodes, (-1, 1), (first, last))
         rho = gap * np.cosh(w)
         height = start[2] + (gap * np.sinh(w) - along[0]) / plan * chord[2]
-        # The foot's distance from the apex, the rate at which it goes away from the apex, and the
-        # rate at which the azimuth turns, by the cone's development; both are by w.
+        # The foot's distance from the apex, and its derivatives by w on the development: away from
+        # the apex, and of the angle around it.
         distance = rho * sin - height * cos
         away = gap * np.sinh(w) * sin - rho / plan * chord[2] * cos
         around = gap / rho * sin

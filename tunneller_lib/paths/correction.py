@@ -1,4 +1,4 @@
-"""The corrected chord: the projected chord less its error by the law of `ChordLaw`."""
+"""The corrected chord: the projected chord less the error that `ChordLaw` tells."""
 
 import numpy as np
 
@@ -64,13 +64,16 @@ def corrected_chord(torus: Torus, p: Positions, q: Positions, n: Count):
 
 def corrected_points(torus, p, q, u):
     """Return the corrected chord on a torus from p to q at shares u (n,) of its normals' angle."""
+    # On the sphere of radius R with these normals the chord's point at the angle s from the middle
+    # divides the chord as tan(s) divides tan(half).
     law = ChordLaw(p, q)
     half = law.angle[..., None] / 2
     s = half * (2 * u - 1)  # from the middle
     tan = np.tan(np.where(half > 0, half, 1))
     t = np.where(half > 0, (1 + np.tan(s) / tan) / 2, u)
     m = chord_points(torus, p, q, t)
-    # The chord lies below the surface, and what M moves by grows on the way up to its foot.
+    # The chord lies below the surface: on the way up to its foot a shift of M grows by
+    # cos(s) / cos(half).
     shift = torus.r * law.gap(u) * np.cos(half) / np.cos(s)
     m = m - shift[..., None] * law.pole[..., None, :]
     return feet(torus, m)

@@ -2,12 +2,15 @@
 
 Azimuths count from growing phi towards growing theta. Along a geodesic Clairaut's
 c = rho sin(azimuth), rho = r + R cos(phi), is constant, and with it arc length s and turned angle
-are integrals over one variable t (`geodesic_root`). Their integrands depend on sin^2(t) alone:
-they repeat after half a swing between turning points, or after one round of a ring's tube, and
-backwards after half of that. So both integrals are wanted from t = 0 to pi/2 only, where
-t = width sinh(y) spreads their peak: panels of equal width in y have a series each, over x from -1
-to 1. The arc length is solved for its place, which tells the rest: a geodesic of any length costs
-the same time. Lengths are in tube radii below `followed`, rho = r + cos(phi).
+are integrals over one variable t (`geodesic_root`). The integrands depend on sin^2(t) alone, so
+that they repeat after pi: half a swing between turning points, or one round of a ring's tube. And
+they repeat backwards from pi/2. So both integrals are wanted from t = 0 to pi/2 only.
+
+Their peak at t = 0 is spread by t = width sinh(y). This range of y is divided into panels of equal
+width, and on each panel both integrals are Chebyshev series in x, from -1 to 1. The arc length is
+solved for the place, the place tells the rest: a geodesic of any length costs the same time.
+
+Below `followed` lengths are in tube radii, rho = r + cos(phi).
 
 `follow_each` loops over geodesics, in plain Python or compiled, with the same bits.
 """
@@ -39,20 +42,20 @@ from ..surfaces.torus import torus_normal, torus_point, torus_tangents
 from .bounds import Count, check_points, check_ratio
 from .geodesic_root import PI_REST, Radii, distance
 
-ALONG_MERIDIAN = 4e-16  # a sine of an azimuth: how far the nearest number may be from pi
-STEEP = 0.1  # the same: below, Clairaut's constant tells more digits of it than an azimuth near pi
+ALONG_MERIDIAN = 4e-16  # the sine of an azimuth that is 0 or pi to its last digit
+STEEP = 0.1  # a sine below which Clairaut's constant has more digits of it than the azimuth
 TERMS = 24  # of the series of a panel
 PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
-STEP = 1e-8  # of x: what is left after such a step is of its square
-NARROWEST = 1e-30  # of a peak: where c is next to r - R to more digits than it has
-WIDEST = 3.0
-MOST_PANELS = 60  # for the narrowest peak, about which pi/2 is 70 wide in y
+STEP = 1e-8  # of x: Newton's last step leaves an error of the order of its square
+NARROWEST = 1e-30  # width of a peak: below it c is r - R to its last digit
+WIDEST = 3.0  # the same: a wider peak needs no spreading
+MOST_PANELS = 60  # for the narrowest peak, where y goes up to 70
 
 ROUNDS = 30  # Newton's method takes about four
-BLOCK = 8192  # points at a time: they need the same room however many there are
+BLOCK = 8192  # points at a time: any number of points needs the same room
 EACH, POINT = 7e-5, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
 KIND = "points of geodesics"  # of work, for `compiled`
-LATE = 0.9  # of the angle that half of a swing turns, past which what is left of it is counted
+LATE = 0.9  # of the angle from t = 0 to pi/2: a start beyond counts by what is left of it
 ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
 
 
@@ -70,7 +73,7 @@ class GeodesicPoints:
     s : (..., n) float
         Arc lengths from the start, in m.
     position : (..., n, 2) float
-        Joint positions (theta, phi), in rad; theta isn't reduced to one turn.
+        Joint positions (theta, phi), in rad; neither is reduced to one turn.
     azimuth : (..., n) float
         Directions, in rad.
     """
@@ -83,7 +86,7 @@ class GeodesicPoints:
     @property
     def point(self):
         """Return the points (..., n, 3), in m."""
-        return torus_point(self.torus, *self._angles)  # which may be NaN
+        return torus_point(self.torus, *self._angles)  # unchecked, for angles may be NaN
 
     @property
     def tangent(self):
@@ -109,8 +112,8 @@ class GeodesicPoints:
         Returns
         -------
         deviation : (..., m) float
-            In m, from the nearest of the points, at right angles to the tangent and within the
-            tangent plane, positive to the left of the way as seen from outside.
+            In m, from the tangent at the nearest of the points, within the tangent plane there:
+            positive to the left of the way as seen from outside.
 
         Raises
         ------
@@ -127,7 +130,8 @@ class GeodesicPoints:
             ) from None
         theta, phi = np.moveaxis(position, -1, 0)
         point = torus_point(self.torus, theta, phi)
-        # Of |P - N|^2 the square of P is the same for all N; a product of matrices does the rest.
+        # |P - N|^2 = P^2 - 2 P.N + N^2, of which P^2 is the same for all N; so one product of
+        # matrices finds the nearest.
         on_way = self.point
         square = dot(on_way, on_way)[..., None, :] - 2 * point @ np.swapaxes(on_way, -1, -2)
         near = np.argmin(square, axis=-1)[..., None]
@@ -160,9 +164,9 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     Returns
     -------
     points : GeodesicPoints
-        The last one is the end. NaN where a start isn't on the working sheet. A meridian, to the
-        last digit of its azimuth, is followed through a node onto the inner sheet; any other
-        geodesic turns before the node.
+        The last point is the end; it is NaN, as all are, where a start isn't on the working sheet.
+        A geodesic whose azimuth is a meridian's to the last digit goes through a node onto the
+        inner sheet; any other one turns before the node.
 
     Raises
     ------
@@ -172,11 +176,11 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     Notes
     -----
     theta' = sin(alpha)/rho, phi' = cos(alpha)/R, alpha' = sin(phi) sin(alpha)/rho in arc length.
-    Clairaut's constant turns them into quadratures (the module), which repeat after half a
-    swing or a round of the tube: a geodesic of any length takes as long as a short one. Angles are
-    right to some roundings, and to one of length / sqrt(R (r + R)), for what a last digit of the
-    start moves grows along the way; near the inner equator of a ring, where neighbours part, that
-    is exp(length / sqrt(R (r - R))) times as much.
+    Clairaut's constant turns them into quadratures, which repeat after half a swing or a round of
+    the tube: a geodesic of any length takes as long as a short one. Angles are right to some
+    roundings, and to length / sqrt(R (r + R)) of them on a long way, along which an error of the
+    start grows. Near the inner equator of a ring, where neighbours part, it grows
+    exp(length / sqrt(R (r - R))) times.
 
     Examples
     --------
@@ -195,8 +199,8 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
     torus, p, azimuth, length, n
         As of `geodesic_direct`.
     clairaut : (...) float, optional
-        rho times the sine of the azimuth, in m. It tells ways that a node parts from the meridian,
-        however near they are to it.
+        rho times the sine of the azimuth, in m. Near a meridian it has digits that the azimuth
+        lacks: they tell whether the way goes through a node or turns before it.
     """
     theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
     check_ratio(torus)
@@ -212,7 +216,7 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
 
 @lru_cache(4)
 def _shares(n):
-    """Return n shares of a way, equally spaced, which may not be written to."""
+    """Return n equally spaced shares of a way, from 0 to 1, which may not be written to."""
     shares = np.linspace(0, 1, n)
     shares.flags.writeable = False
     return shares
@@ -260,8 +264,7 @@ def half_swing(torus: Torus, clairaut: Lengths):
         )
     halves = np.empty((2, clairaut.size))
     sines = (clairaut.ravel() / wide).tolist()
-    arguments = torus.r / torus.R, sines, *_plain_room(), *halves
-    compiled.call_plain(_swing_each, *arguments, **PLAIN)
+    compiled.call_plain(_swing_each, torus.r / torus.R, sines, *_plain_room(), *halves, **PLAIN)
     turned, length = halves.reshape(2, *clairaut.shape)
     return turned, torus.R * length
 
@@ -270,11 +273,11 @@ def half_swing(torus: Torus, clairaut: Lengths):
 
 
 class Orbit(NamedTuple):
-    """What stays the same along a geodesic: rho = c + 2 (E + B sin^2(t)).
+    """The constants of a geodesic: rho = c + 2 (E + B sin^2(t)), and D = A + B sin^2(t).
 
-    D = A + B sin^2(t) is cos^2(phi/2) between turning points, and the integrands' peak at t = 0 is
-    about `width` wide. `free` tells whether it goes round the tube; `panels` is the number of
-    panels, a float, and `step` their width.
+    The integrands have a peak at t = 0, about `width` wide in t. `free` tells whether the geodesic
+    goes round the tube; if it swings instead, D is cos^2(phi/2). `panels` is the number of panels,
+    a float, and `step` their width in y.
     """
 
     c: np.ndarray
@@ -297,9 +300,9 @@ class Start(NamedTuple):
     rising : (...) float
         1 where phi grows at first, else -1.
     t : (...) float
-        From -pi/2 to pi/2, so many whole rounds of pi off.
+        From -pi/2 to pi/2, once `begun` times pi is taken off.
     begun : (...) float
-        These rounds.
+        A whole number.
     """
 
     phi: np.ndarray
@@ -310,13 +313,14 @@ class Start(NamedTuple):
 
 @cache
 def panel_rule():
-    """Return nodes as shares of a panel (TERMS,), and what series values there make of an integral.
+    """Return nodes as shares of a panel (TERMS,), and a matrix (TERMS, TERMS + 1) for integrals.
 
-    The nodes are those of Chebyshev's polynomials; (TERMS, TERMS + 1) numbers make the integral
-    from the panel's begin as a sum of such.
+    It takes an integrand's values at the nodes to the Chebyshev series of the integral from the
+    panel's begin.
     """
-    # At cos(a), a = (k + 1/2) pi / TERMS, a value adds 2 cos(j a) / TERMS to term j, whose integral
-    # adds, over 2j, to the next one, and takes from the one before.
+    # A value at cos(a), a = (k + 1/2) pi / TERMS, adds 2 cos(j a) / TERMS to term j. The integral
+    # of the polynomial T_j is T_(j+1) / (2j + 2) - T_(j-1) / (2j - 2): so to term j of the integral
+    # the value adds a difference of cosines, 2 sin(j a) sin(a) / (j TERMS).
     k = np.arange(TERMS)[:, None]
     j = np.arange(1, TERMS + 1)
     turns = (j * (2 * k + 1) + 2 * TERMS) % (4 * TERMS) - 2 * TERMS
@@ -324,20 +328,21 @@ def panel_rule():
     pairs = [[sine_cosine(angle) for angle in row] for row in angles.tolist()]
     sines, cosines = np.moveaxis(np.array(pairs), -1, 0)
     series = 2 / TERMS * sines * sines[:, :1] / j
-    series[:, -1] /= 2  # there is no term behind the last
+    # Nothing is taken off the last term; what the product above takes off doubles it at the nodes.
+    series[:, -1] /= 2
     begin = np.sum(np.where(j % 2, series, -series), axis=1, keepdims=True)
     return (1 + cosines[:, 0]) / 2, np.concatenate([begin, series], axis=1)
 
 
 def headed(r, phi, azimuth, c):
-    """Return how a geodesic sets out from phi by an azimuth, both in rad, from -pi to pi.
+    """Return sine and cosine of a geodesic's azimuth at its start, and where that is.
 
     Parameters
     ----------
     r : float
         r / R of the torus.
     phi, azimuth : float
-        Those of the start.
+        Those of the start, in rad, from -pi to pi.
     c : float
         Clairaut's constant, over R, or NaN where it isn't known.
 
@@ -346,8 +351,8 @@ def headed(r, phi, azimuth, c):
     sine, cosine : float
         Of the azimuth; the sine is zero along a meridian.
     placed : tuple
-        Sine and cosine of half of phi, and the distance from the axis, which isn't above zero
-        where the start isn't on the working sheet.
+        Sine and cosine of half of phi, and the distance from the axis; this is above zero only
+        where the start is on the working sheet.
     """
     sine, cosine = sine_cosine(azimuth)
     half_sine, half_cosine = sine_cosine(phi / 2)
@@ -371,7 +376,8 @@ def orbit_of(r, phi, placed, sine, cosine):
     c = rho * sine
     slope = cosine * square_root(rho / (2 * (1 + sine)))  # its square is (rho - c) / 2
     k2 = half_sine * half_sine + slope * slope
-    # 1 - k^2: on a ring the difference of two numbers that are small where it is; else a sum.
+    # 1 - k^2. On a ring it is a difference, but of numbers that are small where it is small. On a
+    # spindle c = r + 1 - 2 k^2 makes a sum of it, which can't cancel.
     rest = half_cosine * half_cosine - slope * slope if r > 1 else (1 - r + c) / 2
     free = rest < 0
     A = larger(abs(rest), NARROWEST * NARROWEST)
@@ -381,14 +387,14 @@ def orbit_of(r, phi, placed, sine, cosine):
     reach = area_sine(math.pi / 2 / width)
     panels = whole_part(reach / PANEL + 0.5)
     orbit = Orbit(c, A, B, E, width, free, panels, reach / panels)
-    upward = rising(cosine)
+    upward = -1.0 if cosine < 0 else 1.0
     if free:
-        # Round the tube phi falls as pi - 2t, or grows as its negative. Next to where a round
-        # begins t is small, and it is no difference of pi and another angle.
+        # Round the tube phi falls as pi - 2t, or grows as its negative. Near the inner equator,
+        # where a round begins, t is small and mustn't be a difference of numbers near pi/2.
         beyond = -1.0 if -upward * phi < 0 else 1.0
         t = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
         return orbit, Start(phi, upward, t, (1 - beyond) / 2)
-    # Between turning points sin(phi/2) = k cos(t).
+    # Between turning points sin(phi/2) = k cos(t), and the slope is k sin(t) or its negative.
     begun = 0.0
     if half_sine < 0:
         begun = -1.0 if slope > 0 else 1.0
@@ -396,18 +402,13 @@ def orbit_of(r, phi, placed, sine, cosine):
     return orbit, Start(phi, upward, t, begun)
 
 
-def rising(cosine):
-    """Return 1 where phi grows at first, by the cosine of the azimuth, else -1."""
-    return -1.0 if cosine < 0 else 1.0
-
-
 def whole_part(x):
     """Return the nearest whole number, as a float."""
-    return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x  # there are no others farther out
+    return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x  # from 2^52 on all floats are whole
 
 
 def rates(orbit, y):
-    """Return by how much the arc length and the turned angle grow with x at y of a panel."""
+    """Return the derivatives of arc length and turned angle by x, at y of a panel."""
     c, A, B, E, width, _, _, step = orbit
     grown = growth(y)
     shrunk = grown / (1 + grown)
@@ -429,10 +430,11 @@ def series_sum(x, terms):
 
 
 def solved(wanted, whole, terms):
-    """Return x at which the sum of a series is `wanted`; at x = 1 it is `whole`."""
+    """Return the x, from -1 to 1, at which the sum of a series is `wanted`; at 1 it is `whole`."""
     x = 2 * wanted / whole - 1
     for _ in range(ROUNDS):
-        # Clenshaw's recurrence for the sum and for its derivative, and Newton's step.
+        # Clenshaw's recurrence gives the sum and its derivative for Newton's step. On a panel the
+        # derivative changes so little that the step needs no bracket but the panel.
         twice = 2 * x
         b = before = db = dbefore = 0.0
         for k in range(TERMS, 0, -1):
@@ -450,15 +452,15 @@ def solved(wanted, whole, terms):
 def point_at(orbit, start, swings, y, sign):
     """Return phi and the azimuth, in rad, of a point on an `orbit` with this `start`.
 
-    The point is `swings` half swings from t = 0, a whole number, and then at y to the side that
-    `sign` tells.
+    `swings`, a whole number, counts half swings from t = 0; from there the point is at y, before
+    (-1) or behind (1) as `sign` tells.
     """
     grown = growth(y)
     t = sign * orbit.width * ((grown + grown / (1 + grown)) / 2)
     sine, cosine = sine_cosine(t)
     sin2 = sine * sine
     rho = orbit.c + 2 * (orbit.E + orbit.B * sin2)
-    # rho^2 - c^2 is (rho - c)(rho + c), and rho - c that of the swing, which doesn't cancel.
+    # The cosine is sqrt(rho^2 - c^2) / rho. rho - c is 2 (E + B sin^2(t)), no difference.
     slope = square_root(2 * (rho + orbit.c)) / rho
     if orbit.free:
         phi = start.phi + 2 * start.rising * (t - start.t + math.pi * (swings - start.begun))
@@ -486,10 +488,9 @@ def begun_at(orbit, start, count, edges, series):
     before, turned : float
         Arc length and turned angle from t = 0.
     left : float
-        What is left of the turned angle to the next crossing of the outer equator.
+        What the turned angle lacks at the start of that at the next crossing of the outer equator.
     crossing : float
-        Which crossing that is, in swings, where what is left of the angle has more digits than the
-        angle; else NaN.
+        Which crossing that is, in half swings, if `left` has more digits than the angle; else NaN.
     """
     y = area_sine(abs(start.t) / orbit.width) / orbit.step  # panels from t = 0
     panel = min(int(y), count - 1)
@@ -504,7 +505,10 @@ def begun_at(orbit, start, count, edges, series):
 
 
 def point_on(orbit, start, begun, s, count, edges, series):
-    """Return the gain of theta, phi and the azimuth, in rad, of the point at s on an orbit.
+    """Return by how much theta has grown, phi and the azimuth, in rad, of the point at s.
+
+    Whole half swings are taken off the arc length from t = 0. What remains, at most half of one to
+    either side of t = 0, ends on one panel, whose series is solved for the place.
 
     Parameters
     ----------
@@ -518,7 +522,7 @@ def point_on(orbit, start, begun, s, count, edges, series):
         As filled in by `tabulate`.
     """
     before, turned, left, crossing = begun
-    whole = 2 * edges[0][count]  # of half a swing, or of a round
+    whole = 2 * edges[0][count]  # the length of half a swing, or of a round
     rest = s + before
     swings = whole_part(rest / whole)
     rest = rest - swings * whole
@@ -531,8 +535,8 @@ def point_on(orbit, start, begun, s, count, edges, series):
     x = solved(size - low, edges[0][panel + 1] - low, series[0][panel])
     gained = series_sum(x, series[1][panel])
     if swings + sign / 2 == crossing:
-        # Where both angles are great and nearly the same, as by the node of a horn, what is left
-        # of them to the outer equator isn't.
+        # The start and the point are beside the same crossing. Both turned angles may be great and
+        # nearly the same, as by the node of a horn; what they lack at the crossing is small.
         beyond = left - sign * (edges[2][panel] - gained)
     else:
         beyond = sign * (edges[1][panel] + gained) - turned + swings * (2 * edges[1][count])
@@ -542,7 +546,7 @@ def point_on(orbit, start, begun, s, count, edges, series):
 
 
 def tabulate(orbit, shares, integral, values, edges, series):
-    """Return the number of an orbit's panels, after filling in both integrals on each.
+    """Return the number of an orbit's panels after filling in both integrals on each of them.
 
     Parameters
     ----------
@@ -569,10 +573,10 @@ def tabulate(orbit, shares, integral, values, edges, series):
 
 
 def _add_panel(orbit, panel, shares, integral, values, series):
-    """Return the sums of both series at the end of a panel, after filling them in.
+    """Return both integrals over a panel after filling in their series.
 
-    Each term is a sum over the nodes, one after the other. Numpy adds in this order along an axis
-    that isn't the last.
+    The terms of a series are sums over the nodes. Numpy adds along an axis that isn't the last one
+    node after the other, as the loops of `_in_loops` do; so the bits are the same.
     """
     _, integral = panel_rule()
     values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
@@ -582,7 +586,7 @@ def _add_panel(orbit, panel, shares, integral, values, series):
 
 
 def _in_loops(orbit, panel, shares, integral, values, series):
-    """Return what `_add_panel` does, in loops to be compiled, with room for `values`."""
+    """Return what `_add_panel` does, by loops that are to be compiled; `values` is their room."""
     for k in range(TERMS):
         values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
     for one in range(2):
@@ -598,7 +602,7 @@ def _in_loops(orbit, panel, shares, integral, values, series):
 # ---- loops over geodesics ------------------------------------------------------
 
 PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
-# These become part of their callers when compiled, so that several nodes and terms run at once.
+# Compiled, these become part of their callers, so that several nodes and terms run at once.
 INLINED = "growth", "two_to_bits", "rates", "series_sum", "tabulate", "_in_loops"
 
 
@@ -610,8 +614,8 @@ def trace(torus, given, s):
     torus : Torus
         The surface.
     given : (6, n) float
-        theta, phi and azimuths at the starts, in rad; phi and azimuths from -pi to pi; Clairaut's
-        constants over R, or NaN. What isn't finite has no answer.
+        theta, phi and azimuths at the starts, in rad; phi and azimuths again, reduced to -pi to pi;
+        Clairaut's constants over R, or NaN. A start that isn't finite has no answer.
     s : (n, p) float
         Arc lengths from the starts, in m.
 
@@ -626,7 +630,7 @@ def trace(torus, given, s):
     ready = compiled.ready(KIND)
 
     def fill(block):
-        # Copies, which may be written to and are of one order: one compiled form serves all.
+        # Copies in one order that may be written to, so that one compiled form serves all calls.
         starts, lengths = np.array(given[:, block], order="C"), np.array(s[block], order="C")
         filled = position[block], azimuth[block]
         sizes = torus.r / torus.R, torus.R
@@ -642,7 +646,7 @@ def trace(torus, given, s):
 
 
 def _plain_room():
-    """Return the room that `follow_each` needs in plain Python, where values need none."""
+    """Return the room that `follow_each` needs in plain Python; there `values` needs none."""
     shares, _ = panel_rule()
     edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
     return shares.tolist(), None, None, edges, [[None] * MOST_PANELS for _ in range(2)]
@@ -650,7 +654,7 @@ def _plain_room():
 
 @loop(inlined=INLINED)
 def follow_each(r, R, given, s, shares, integral, values, edges, series, position, azimuths):
-    """Write down points of geodesics.
+    """Fill in points of geodesics, one geodesic after the other.
 
     Parameters
     ----------
@@ -686,14 +690,15 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
                 found = theta, phi, azimuth
             else:
                 # Along a meridian phi grows or falls with the arc; there is no swing to look up.
-                turned, place, direction = 0.0, near + rising(cosine) * (ways[k] / R), whither
+                along = -ways[k] / R if cosine < 0 else ways[k] / R
+                turned, place, direction = 0.0, near + along, whither
                 if leaving:
                     turned, place, direction = point_on(
                         orbit, start, begun, ways[k] / R, count, edges, series
                     )
                     turned = side * turned
                     direction = side * direction
-                # Whole turns were taken off, and are put back.
+                # The whole turns that were taken off are put back.
                 found = turned + theta, place + (phi - near), direction + (azimuth - whither)
             position[i][k][0] = found[0]
             position[i][k][1] = found[1]
@@ -701,9 +706,9 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
 
 
 def _swing_each(r, sines, shares, integral, values, edges, series, turned, lengths):
-    """Write down turned angles, and lengths in tube radii, of half swings over the outer equator.
+    """Fill in turned angles, and lengths in tube radii, of half swings over the outer equator.
 
-    They cross it by azimuths with these sines; the rest is as of `follow_each`.
+    `sines` are those of the azimuths by which they cross it; the rest is as of `follow_each`.
     """
     for i in range(len(sines)):
         cosine = square_root((1 - sines[i]) * (1 + sines[i]))

@@ -1,49 +1,58 @@
-"""The classes of geodesics on a torus: the turned angle of each, and its root.
+"""The classes of geodesics on a torus: how far each turns, and the member that turns by an angle.
 
 A geodesic runs from phi = a >= 0 to phi = b, |b| <= a. Clairaut's c = rho sin(azimuth) is constant
 along it, so that with rho = r + R cos(phi)
 
     d(theta) / d(phi) = R c / (rho sqrt(rho^2 - c^2)),   d(s) / d(phi) = R rho / sqrt(rho^2 - c^2).
 
-The root vanishes at a turning point, where rho = c, and a quadrature in phi would fail there. In
-all classes sin(phi/2) or cos(phi/2) is a multiple of cos(t), and t takes the place of phi: with
-D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)),
+The geodesics between these ends that have the same number of turning points, or none, make a class
+with one unknown u, which stands for c. `find_root` seeks the u for which the turned angle,
+the integral of d(theta), is the given one.
+
+At a turning point rho = c, the root under the fraction vanishes, and a quadrature in phi fails. So
+another variable t takes the place of phi: in each class sin(phi/2) or cos(phi/2) is a multiple of
+cos(t). With D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)), where A, B and E are constants,
 
     angle = sqrt(2R) int c / (rho sqrt((rho + c) D)) dt,
     length = sqrt(2R) int rho / sqrt((rho + c) D) dt.
 
-No angle is needed: sines and cosines of t follow from those of a/2 and b/2 by roots and quotients.
+The limits of t are never computed as angles: their sines and cosines follow from those of a/2 and
+b/2 by roots and quotients.
 
 The functions take plain numbers, one geodesic at a time. They run as they stand or compiled, with
-the same bits (`kernels.compiled`). A `torus` is whatever has r and R.
+the same bits (`kernels.compiled`). A `torus` is anything that has r and R.
 """
 
 import math
 from functools import cache
 from typing import NamedTuple
 
+import numpy as np
+
 from ..kernels.elementwise import larger, ratio, smaller, square_root
 from ..kernels.repeatable import area_sine, growth, sine_cosine
 from .quadrature import gauss_rule
 
-# The classes: `outer`, `inner`, and `second` on either side of its least turned angle.
+# The classes: `outer`, `inner`, and the two branches of `second`, on either side of the unknown for
+# which it turns least.
 OUTSIDE, INSIDE, PAST, BEFORE = range(4)
 
-STEEP = 0.9  # of the way to the meridian: from there on `outer` counts what is left of it
-STEEPEST = 70.0  # of that way: what is left there is 1e-301 of it
-NARROW = 0.32  # of R: what is nearer to the axis there than that needs a leg of its own
-CLOSE = 1e-5  # rad
-PI_REST = 1.2246467991473532e-16  # what pi is more than the double next to it
+STEEP = 0.9  # of the way to the meridian: beyond, the unknown of `outer` is a logarithm
+STEEPEST = 70.0  # of that way, in that logarithm: there only 1e-301 of the way is left
+NARROW = 0.03  # of the larger radius: an end as near to a node, or the inner equator, needs a leg
+CLOSE = 1e-5  # rad, short of what half a swing by a node turns: such ways need legs, too
+PI_REST = 1.2246467991473532e-16  # pi less math.pi
 
-NODES_OF_WORKING_SHEET = 20  # of the quadrature, where no geodesic comes near a node of the torus
+# Of the quadrature: where no geodesic comes near a node of the torus, on other spindles, on rings.
+NODES_OF_WORKING_SHEET = 20
 NODES = 96
 NODES_OF_RING = 64
 
 ROUNDS = 200  # Newton's method takes about four; halving takes sixty, and more for roots of 1e-30
-NEAR = 1e-5  # rad
-AGREES = 1e-9  # rad; a turned angle that is off by more is no answer
-STEP = 1e-8  # relative; what a last step of this size leaves is of the order of its square
-ROUNDING = 1e-7  # a scale: steps of STEP times this, 1e-15, are made of rounding
+NEAR = 1e-5  # rad, by which the turned angle may be off where the last step begins
+AGREES = 1e-9  # rad, by which the turned angle of an answer may be off where that step ends
+STEP = 1e-8  # relative: Newton's last step leaves an error of the order of its square
+ROUNDING = 1e-7  # the least scale of an unknown: STEP times this, 1e-15, is a rounding
 
 
 class Radii(NamedTuple):
@@ -54,7 +63,7 @@ class Radii(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """The two ends of a geodesic, as far as the classes need them.
+    """What the classes need to know of the two ends of a geodesic.
 
     Parameters
     ----------
@@ -83,20 +92,20 @@ class Ends(NamedTuple):
 
 
 class Integrand(NamedTuple):
-    """The constants and limits of both integrals for one value of the unknown.
+    """The constants and the limits of both integrals for one value of the unknown.
 
     Parameters
     ----------
     c : float
         Clairaut's constant, in m.
     shape : (A, B, E)
-        The other constants.
+        The other constants, as in the module's text.
     rates : (dc, dA, dB, dE)
         The derivatives of all four by the unknown.
     first : (sine, cosine)
         Of the lower limit of t, which is from -pi/2 to pi/2.
     span : (sine, cosine)
-        Of the difference of both limits.
+        Of the upper limit less the lower one.
     last : (sine, cosine)
         Of the upper limit, which is below pi.
     motion : (dfirst, dlast)
@@ -115,22 +124,17 @@ class Integrand(NamedTuple):
     cosines: tuple
 
 
-def half_angles(torus, a, b):
-    """Return the sines and cosines of a/2 and b/2, and rho at a and at b, in m."""
+def ends_at(torus, a, b):
+    """Return the `Ends` on a torus of geodesics from phi = a to b, in rad."""
     sine_a, cosine_a = sine_cosine(a / 2)
     sine_b, cosine_b = sine_cosine(b / 2)
-    return sine_a, cosine_a, sine_b, cosine_b, rho(torus, a, cosine_a), rho(torus, b, cosine_b)
-
-
-def ends_at(torus, a, b, halves):
-    """Return the `Ends` on a torus of geodesics from phi = a to b, whose `halves` are known."""
-    sine_a, cosine_a, sine_b, cosine_b, rho_a, rho_b = halves
     sine, cosine = sine_cosine((a - b) / 2)
     middle, _ = sine_cosine((a + b) / 2)
-    # A product has the difference of the squares to its last digits, near ends or not.
+    # As this product, sin^2(a/2) - sin^2(b/2) keeps its digits however near the ends are.
     apart = middle * sine
-    meridian = square_root(rho_a / (2 * torus.R))
-    # On a ring the geodesic of x = X winds towards the inner equator (k = 1, c = r - R), on a
+    rho_a, rho_b = rho(torus, a, cosine_a), rho(torus, b, cosine_b)
+    meridian = square_root(larger(rho_a, 0.0) / (2 * torus.R))
+    # At x = X, on a ring, the geodesic winds towards the inner equator (k = 1, c = r - R); on a
     # spindle it is the meridian, through the node (c = 0).
     room = cosine_a if torus.r >= torus.R else meridian
     return Ends(
@@ -139,15 +143,22 @@ def ends_at(torus, a, b, halves):
 
 
 def rho(torus, phi, cosine):
-    """Return the `distance` at phi, or zero at the node of a horn, which isn't on its sheet."""
+    """Return the `distance` at phi, or zero at the node of a horn, which isn't on its sheet.
+
+    There math.pi falls short of pi, so that the formula leaves 1e-32 R.
+    """
     far = distance(torus, phi, cosine)
     return 0.0 if torus.r == torus.R and phi == math.pi else far
 
 
 def distance(torus, phi, cosine):
-    """Return rho at phi, in rad, from -pi to pi, by the `cosine` of phi / 2 as well."""
+    """Return the distance rho from the axis at phi, in rad, from -pi to pi.
+
+    `cosine` is that of phi / 2.
+    """
     _, level = sine_cosine(phi)
-    # Where r and R cos(phi) nearly cancel on a horn, r - R and R (1 + cos(phi)) keep the digits.
+    # Near phi = pi the sum of r and R cos(phi) cancels where r is about R: r - R and
+    # R (1 + cos(phi)) = 2 R cos^2(phi/2) keep the digits.
     if level < -0.5:
         return torus.r - torus.R + 2 * torus.R * (cosine * cosine)
     return torus.r + torus.R * level
@@ -166,66 +177,59 @@ def outer(torus, ends, u):
     ends : Ends
         The ends.
     u : float
-        The unknown, from `steepest`, the meridian, upwards: below zero for ways that descend at
-        once.
+        The unknown. It is below zero for ways that descend at once, and least for the meridian, at
+        -`ends.meridian`, or at `STEEPEST` times that on a `wide` torus.
 
     Notes
     -----
     sin(phi/2) = k cos(t), with t = 0 at the turning point. Let x = -k sin(t) at a, which is
-    negative where the turning point is behind, and W = k sin(t) at b. Then k^2 = sin^2(a/2) + x^2,
-    rho_a - c = 2R x^2 and rho_b - c = 2R W^2: nothing cancels where x is small, and all follows
-    from x.
+    negative where the turning point lies behind a, and W = k sin(t) at b. Then
+    k^2 = sin^2(a/2) + x^2, rho_a - c = 2R x^2 and rho_b - c = 2R W^2. So everything follows from x,
+    and nothing cancels where x is small.
+
+    The class has three parts. Above zero x = X tanh(u/X) nears X, the end of the class, which no u
+    reaches. Below zero x = u. Near the meridian of a `wide` torus -u grows as the logarithm of
+    what x lacks of it.
     """
     r, R = torus.r, torus.R
-    sa, ca, sb, cb, sine, cosine, apart, rho_a, rho_b, L, X = ends
-    x, dx = u, 1.0
-    e = (X - u) * (X + u)
-    if u > 0:
-        # Below zero the class has no end, and x = u joins without a bend.
-        x, e, dx = _spread(torus, X, u)
-        if r <= R and u > 30 * X:  # the class ends by the node, and nothing turns farther
-            dx = 0.0
-    c, rest, k2, W = _swing(torus, ends, x, e)
+    L, X = ends.meridian, ends.room
     if wide(torus) and u < -STEEP * L:
-        # The meridian, c = 0, is at x = -L. On a ring c would be a difference, which cancels
-        # there, and by the node of a horn the least c turns far: u counts x + L by its logarithm.
+        # The meridian, c = 0, is at x = -L. On a ring c as a difference would cancel there, and by
+        # the node of a horn the smallest c still turns far: so x + L, by its logarithm, is counted.
         unit = (1 - STEEP) * L
         left = unit / (1 + growth((-STEEP * L - u) / unit))
-        x = left - L
-        dx = left / unit
+        x, dx = left - L, left / unit
         c = 2 * R * (left * (2 * L - left))
         rest = (c - (r - R)) / (2 * R)
-        W = square_root(larger(apart + x * x, 0.0))
-        k2 = sa * sa + x * x
-    dk2 = 2 * x * dx
-    if rest < 0:
-        # k > 1, c < r - R: prolonged, it would cross the inner equator, without a turning point. D
-        # would vanish there in that form; t = (pi - phi)/2, cos(phi/2) = sin(t), has no such place.
-        shape = -rest, 1.0, -rest
-        rates = -2 * R * dk2, dk2, 0.0, dk2
-        first, span, last = (ca, sa), (sine, cosine), (cb, sb)
-        motion = 0.0, 0.0
     else:
-        k = square_root(k2)
-        shape = rest, k2, 0.0
-        rates = -2 * R * dk2, -dk2, dk2, 0.0
-        # The sine of the span times k^2 is W sa + x sb. Where x sb < 0 that is a difference; its
-        # product with the sum, W^2 sa^2 - x^2 sb^2, is apart k^2.
-        lower, upper = x * sb, W * sa
-        across = apart * k2 / (upper - lower) if lower < 0 else upper + lower
-        first, last = (-x / k, sa / k), (W / k, sb / k)
-        span = across / k2, (sa * sb - W * x) / k2
-        motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
-    cos_a = x * square_root(2 * R * (rho_a + c)) / rho_a
-    cos_b = -W * square_root(2 * R * (rho_b + c)) / rho_b
-    return Integrand(c, shape, rates, first, span, last, motion, (cos_a, cos_b))
+        # At u = 0 both parts meet with the same slope, dx = 1.
+        x, dx, e = u, 1.0, (X - u) * (X + u)
+        if u > 0:
+            x, dx, e = _spread(torus, X, u)
+            # There tanh is 1 to the last digit: the class has ended by the node.
+            if r <= R and u > 30 * X:
+                dx = 0.0
+        c, rest = _swing(torus, e)
+    if rest >= 0:
+        return _turning(torus, ends, x, dx, c, rest, -1.0)
+    # Here k > 1 and c < r - R: prolonged, the way crosses the inner equator of a ring without a
+    # turning point. D of the form above would vanish on it; with t = (pi - phi)/2, so that
+    # cos(phi/2) = sin(t), it vanishes nowhere.
+    dk2 = 2 * x * dx
+    rates = -2 * R * dk2, dk2, 0.0, dk2
+    first, last = (ends.cosine_a, ends.sine_a), (ends.cosine_b, ends.sine_b)
+    span = ends.sine, ends.cosine
+    W = square_root(larger(ends.apart + x * x, 0.0))
+    cosines = _cosines(torus, ends, c, x, -W)
+    return Integrand(c, (-rest, 1.0, -rest), rates, first, span, last, (0.0, 0.0), cosines)
 
 
 def second(torus, ends, u, sense):
     """Return the `Integrand` of the geodesic that turns beyond the outer equator and rises to b.
 
-    It comes to the parallel b a second time, after descending at once or after rising above a.
-    Its way needs `legs_of_second`.
+    It comes to the parallel b a second time, after descending at once or after rising above a: t
+    passes pi, where phi is least, and stops at 2 pi - t_b, with sin(b/2) = k cos(t_b). Its way
+    needs `legs_of_second`.
 
     Parameters
     ----------
@@ -234,30 +238,45 @@ def second(torus, ends, u, sense):
     ends : Ends
         The ends.
     u : float
-        The unknown, any number: far from zero, c nears 0, or r - R on a ring.
+        The unknown, of either sign: far from zero, c nears 0, or r - R on a ring.
     sense : {1.0, -1.0}
-        -1 if it is the negative of the unknown that is given.
-
-    Notes
-    -----
-    As `outer`, but for the end: t passes pi, where phi is least, and stops at 2 pi - t_b, with
-    sin(b/2) = k cos(t_b).
+        -1 if u is the negative of the unknown.
     """
-    R = torus.R
-    sa, sb, X = ends.sine_a, ends.sine_b, ends.room
-    x, e, dx = _spread(torus, X, abs(u))
-    x = sense * math.copysign(x, u)
-    dx = sense * dx
-    c, rest, k2, W = _swing(torus, ends, x, e)
+    x, dx, e = _spread(torus, ends.room, abs(u))
+    c, rest = _swing(torus, e)
+    return _turning(torus, ends, sense * math.copysign(x, u), sense * dx, c, rest, 1.0)
+
+
+def _turning(torus, ends, x, dx, c, rest, rising):
+    """Return the `Integrand` of a geodesic that swings between turning points.
+
+    It has the `x` of `outer`, whose derivative by the unknown is `dx`, Clairaut's constant `c`, and
+    `rest` = 1 - k^2. `rising` is 1 if it comes to b from below, as in `second`, and else -1.
+    """
+    sa, sb = ends.sine_a, ends.sine_b
+    k2 = sa * sa + x * x
+    W = square_root(larger(ends.apart + x * x, 0.0))
     k = square_root(k2)
-    dk2 = 2 * x * dx
-    shape = rest, k2, 0.0
-    rates = -2 * R * dk2, -dk2, dk2, 0.0
-    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
-    cos_a = x * square_root(2 * R * (ends.rho_a + c)) / ends.rho_a
-    cos_b = W * square_root(2 * R * (ends.rho_b + c)) / ends.rho_b
+    # By the sine of a sum, that of the span times k^2 is W sa + x sb. Where x sb < 0 this is a
+    # difference, and cancels on a short way. Times W sa - x sb, a sum there, it is
+    # W^2 sa^2 - x^2 sb^2 = apart k^2, which keeps the digits.
+    lower, upper = x * sb, W * sa
+    across = ends.apart * k2 / (upper - lower) if lower < 0 else upper + lower
+    span = across / k2, (sa * sb - W * x) / k2
     first, last = (-x / k, sa / k), (W / k, sb / k)
-    return Integrand(c, shape, rates, first, last, last, motion, (cos_a, cos_b))
+    dk2 = 2 * x * dx
+    rates = -2 * torus.R * dk2, -dk2, dk2, 0.0
+    motion = -sa * dx / k2, ratio(sb * x * dx, W * k2)
+    cosines = _cosines(torus, ends, c, x, rising * W)
+    return Integrand(c, (rest, k2, 0.0), rates, first, span, last, motion, cosines)
+
+
+def _cosines(torus, ends, c, x, W):
+    """Return the cosines of the azimuths at both ends; `x` and `W` of `outer` give their signs."""
+    # sqrt(rho^2 - c^2) / rho, where rho - c is 2R x^2 at a and 2R W^2 at b: a difference would
+    # cancel near a turning point.
+    cos_a = x * square_root(2 * torus.R * (ends.rho_a + c)) / ends.rho_a
+    return cos_a, W * square_root(2 * torus.R * (ends.rho_b + c)) / ends.rho_b
 
 
 def inner(torus, ends, u):
@@ -274,8 +293,8 @@ def inner(torus, ends, u):
 
     Notes
     -----
-    It has no turning point: t = (phi - pi)/2. c = (r - R) tanh(u) grows to that of the inner
-    equator, on which a geodesic turns the farther the nearer it comes, again as a logarithm.
+    It has no turning point: t = (phi - pi)/2. c = (r - R) tanh(u) grows towards that of the inner
+    equator; the turned angle grows without limit there, about in proportion to u.
     """
     R = torus.R
     narrow = torus.r - R
@@ -286,7 +305,7 @@ def inner(torus, ends, u):
     dc = 4 * narrow * slow * (1 - slow)
     dkappa2 = -2 * kappa2 * (1 - slow)
     sa, ca, sb, cb = ends.sine_a, ends.cosine_a, ends.sine_b, ends.cosine_b
-    # sqrt(rho^2 - c^2) / rho, with rho - c = 2R (kappa^2 + sin^2(t)).
+    # sqrt(rho^2 - c^2) / rho, where rho - c = 2R (kappa^2 + sin^2(t)) is no difference.
     cos_a = square_root(2 * R * (kappa2 + ca * ca) * (ends.rho_a + c)) / ends.rho_a
     cos_b = square_root(2 * R * (kappa2 + cb * cb) * (ends.rho_b + c)) / ends.rho_b
     shape = kappa2, 1.0, kappa2
@@ -296,56 +315,51 @@ def inner(torus, ends, u):
 
 
 def wide(torus):
-    """Return whether `outer` counts by a logarithm what is left of the way to the meridian."""
+    """Return whether the unknown of `outer` is a logarithm near the meridian, on a wide torus."""
     return torus.r > 0.9 * torus.R
 
 
-def steepest(torus, ends):
-    """Return the unknown of `outer` that stands for the meridian, of a `torus` and its `ends`."""
-    return -(STEEPEST if wide(torus) else 1.0) * ends.meridian
-
-
 def _spread(torus, X, u):
-    """Return x = X tanh(u / X), X^2 - x^2 and the derivative of x, for u from 0 upwards.
+    """Return x = X tanh(u / X), its derivative and X^2 - x^2, for u from 0 upwards.
 
-    On a ring the turned angle grows without limit towards X, as a logarithm, and on a spindle the
-    way turns ever more sharply by the node: this spreads both out.
+    Towards X the turned angle grows without limit on a ring, as a logarithm of X - x, and on a
+    spindle the way turns ever more sharply by the node. Against u both grow evenly.
     """
-    # Beyond the farthest the geodesic runs into the node, with a turn too sharp for the
-    # quadrature, or turns many times.
+    # Beyond this the turn by a node is too sharp for the quadrature, and a ring's way turns some
+    # hundred times.
     farthest = 600.0 if torus.r > torus.R else 60.0
     grown = growth(smaller(2 * u / X, farthest))
     x = X * (grown / (2 + grown))
-    gap = 2 * X / (2 + grown)  # X - x, which would cancel where u is great
+    gap = 2 * X / (2 + grown)  # X - x, which as a difference would cancel where u is great
     e = gap * (X + x)
-    return x, e, e / (X * X)
+    return x, e / (X * X), e
 
 
-def _swing(torus, ends, x, e):
-    """Return c, 1 - k^2, k^2, and W of `outer` from x and e = X^2 - x^2."""
+def _swing(torus, e):
+    """Return c and 1 - k^2 by e = X^2 - x^2, as sums of terms that aren't negative."""
     r, R = torus.r, torus.R
-    x2 = x * x
-    c = 2 * R * e + (r - R if r > R else 0.0)
-    rest = e + (0.0 if r >= R else (R - r) / (2 * R))
-    W = square_root(larger(ends.apart + x2, 0.0))
-    return c, rest, ends.sine_a * ends.sine_a + x2, W
+    return 2 * R * e + larger(r - R, 0.0), e + larger(R - r, 0.0) / (2 * R)
 
 
 def peaked(torus, ends, b, angle):
     """Return whether a way of `outer` may need three legs, lest its quadrature miss a peak.
 
-    The torus, its ends and b are those of `outer`. A way needs legs where it nears a node, or an
-    inner equator, at its end at b, too, or passes by a node so closely as only ways do that turn by
-    an `angle` next to what half a swing turns there.
+    One quadrature sees one peak, about t = 0. A second one is at the end b where a way has come
+    round the outside and nears a node, or the inner equator, there. And the peak itself is too
+    narrow where a way passes by a node as closely as only those do that turn by an `angle` next to
+    that of half a swing there. The torus, its ends and b are those of `outer`.
     """
     near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
-    if b < 0 and near < NARROW * torus.R:
+    if b < 0 and near < NARROW * larger(torus.r, torus.R):
         return True
     return half_swing_by_the_node(torus) - angle < CLOSE
 
 
 def half_swing_by_the_node(torus):
-    """Return the turned angle of half a swing that just misses the node, in rad."""
+    """Return the turned angle, in rad, of half a swing that just misses a spindle's node.
+
+    It is infinite on other tori.
+    """
     if torus.r >= torus.R:
         return math.inf
     return math.pi / math.sqrt((1 - torus.r / torus.R) * (1 + torus.r / torus.R))
@@ -354,8 +368,11 @@ def half_swing_by_the_node(torus):
 def in_legs(way):
     """Return a way of `outer` in three legs, which begin or end where the integrands have peaks.
 
-    To the turning point, t = 0; on to the outer equator, t = pi/2; and to the end, from where it
-    is mirrored, for the integrands repeat backwards. Legs that a way doesn't have are of no length.
+    The peaks are at t = 0, the turning point, and at t = pi, the one on the other side. The first
+    leg goes back from t = 0 to the start, where the way begins before it; the second goes on from
+    t = 0, or from the start, to the end or to the outer equator, t = pi/2; the third goes on from
+    there. It is mirrored in t = pi/2, since the integrands depend on sin^2(t) alone, and so begins
+    near t = 0. A leg that a way doesn't have is of no length.
     """
     (sine, cosine), (sine_b, cosine_b) = way.first, way.last
     dfirst, dlast = way.motion
@@ -377,11 +394,12 @@ def in_legs(way):
 
 
 def legs_of_second(way):
-    """Return a way of `second` in three legs, none with more than one turning point.
+    """Return a way of `second` in three legs, none of which passes two turning points.
 
-    Down to the outer equator, on to its next crossing or to b, and up from there. The integrands
-    repeat after pi, and backwards from any multiple of pi/2: each leg is mirrored to where t is in
-    [-pi/2, pi/2], and ends at pi/2.
+    They lead from the start to the outer equator, t = pi/2; on to its next crossing, t = 3 pi/2, or
+    to b if b comes first; and from there to b. The integrands repeat after pi, and backwards from
+    any multiple of pi/2: so each leg is moved or mirrored to one that begins in -pi/2 to pi/2 and
+    ends at pi/2.
     """
     (sine, cosine), (sine_b, cosine_b) = way.first, way.last
     dfirst, dlast = way.motion
@@ -398,7 +416,7 @@ def legs_of_second(way):
 
 
 def _leg(way, first, span, motion):
-    """Return a part of a way between other limits; the upper one is given by the span alone."""
+    """Return a part of a way, from other limits on; the span alone tells the upper one."""
     return Integrand(way.c, way.shape, way.rates, first, span, first, motion, way.cosines)
 
 
@@ -415,9 +433,9 @@ def integrate(torus, way, nodes, rows):
     way : Integrand
         Constants and limits.
     nodes : (shares and weights, count)
-        A quadrature's, of which so many count, see `rule`.
+        Of a quadrature, see `quadratures`: so many of its nodes count.
     rows : (3, m) float
-        Room for what nodes add.
+        Room for what the nodes add.
 
     Returns
     -------
@@ -426,21 +444,16 @@ def integrate(torus, way, nodes, rows):
     """
     shares, count = nodes
     add_nodes(torus, way, shares, rows)
-    turned, rate, length = folded(rows, count)
-    return turned, rate + moving(torus, way), length
-
-
-def integrate_in_legs(torus, legs, nodes, rows):
-    """Return what `integrate` does for a way in three `legs`; torus, nodes and rows as there."""
-    turned = rate = length = 0.0
-    for leg in legs:
-        parts = integrate(torus, leg, nodes, rows)
-        turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
-    return turned, rate, length
+    rate = folded(rows[1], count) + moving(torus, way)
+    return folded(rows[0], count), rate, folded(rows[2], count)
 
 
 def add_nodes(torus, way, nodes, rows):
-    """Write down what nodes at shares of the way from both of its ends add to each integral.
+    """Fill in what the nodes of a quadrature add to each integral, two nodes to a place.
+
+    In the variable y, see `_stretched`, they lie at the same shares of the way from either end. So
+    both take one exponential: e^y is `first` times e^(width share) at one of them, and `last`
+    divided by it at the other.
 
     Parameters
     ----------
@@ -451,7 +464,7 @@ def add_nodes(torus, way, nodes, rows):
     nodes : (2, k) float
         Shares and weights.
     rows : (3, k) float
-        Filled with parts of the turned angle, of its rate by the unknown, and of the length.
+        Filled with the parts of the turned angle, of its rate by the unknown, and of the length.
     """
     c, (A, B, E), (dc, dA, dB, dE) = way.c, way.shape, way.rates
     first, last, half, width = _stretched(torus, way)
@@ -459,6 +472,7 @@ def add_nodes(torus, way, nodes, rows):
     shares, weights = nodes[0], nodes[1]
     turned, rate, length = rows[0], rows[1], rows[2]
     for k in range(len(shares)):
+        # v = tan(t/4) = a0 sinh(y), and dt = 4 a0 cosh(y) / (1 + v^2) dy.
         grown = 1 + growth(width * shares[k])
         shrunk = 1 / grown
         step = 4 * (weights[k] * (width * half))
@@ -474,16 +488,17 @@ def add_nodes(torus, way, nodes, rows):
             both = rho + c
             D = A + swing
             under = both * D
-            # One quotient has those by rho, both and D.
-            all_ = 1 / (rho * under)
-            by_rho = all_ * under
-            density = square_root(twice * (all_ * rho)) * (step * (above + below) * flat)
-            # The rate of c / (rho sqrt((rho + c) D)) by the unknown, twice, from its logarithm.
+            # One division gives the quotients by rho, by rho + c and by D.
+            over_all = 1 / (rho * under)
+            by_rho = over_all * under
+            density = square_root(twice * (over_all * rho)) * (step * (above + below) * flat)
+            # Twice the rate by the unknown of the logarithm of rho sqrt((rho + c) D), to be taken
+            # from that of c.
             drho = dc + twice * (dE + dswing)
             twice_rate = (
                 2 * drho * by_rho
-                + (drho + dc) * (all_ * (rho * D))
-                + (dA + dswing) * (all_ * (rho * both))
+                + (drho + dc) * (over_all * (rho * D))
+                + (dA + dswing) * (over_all * (rho * both))
             )
             turned_by = turned_by + c * by_rho * density
             rate_by = rate_by + (dc - half_c * twice_rate) * by_rho * density
@@ -494,36 +509,39 @@ def add_nodes(torus, way, nodes, rows):
 
 
 def _stretched(torus, way):
-    """Return by which substitution the integrals of a way are taken.
+    """Return e^y at both ends of a way, half of a0 and the width in y: tan(t/4) = a0 sinh(y).
 
-    Near t = 0 the integrands have a peak: where D or rho is zero they have singular points, which
-    lie off the real line, the nearer the smaller both are at t = 0. With tan(t/4) = a0 sinh(y),
-    and a0 their distance, the peak is stretched to unit width, however narrow it is; and sin(t) is
-    4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4), without a sine.
+    Near t = 0 the integrands have a peak, for D and rho are small there; continued to complex t
+    they have singular points where D or rho is zero, at +-i h, the nearer to the real line the
+    smaller D and rho are. With a0 = tan(h/4) the peak has unit width in y, however narrow it is in
+    t. And sin(t) needs no sine: it is 4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4).
     """
     c, (A, B, E), (sine, cosine), (across, along) = way.c, way.shape, way.first, way.span
-    tangent = sine / (1 + cosine)  # of half of the lower limit
+    # The tangents of a quarter of the lower limit, and of a quarter of the span.
+    tangent = sine / (1 + cosine)
     first = tangent / (1 + square_root(1 + tangent * tangent))
-    # Half of the span, by the root of what doesn't cancel.
+    # Of half of the span, the longer one of sine and cosine comes by a root of a sum, which doesn't
+    # cancel, and the other one from it.
     long_side = square_root((1 + abs(along)) / 2)
     short_side = across / (2 * long_side)
     reach = short_side / (1 + long_side) if along > 0 else long_side / (1 + short_side)
-    width = reach * (1 + first * first) / (1 - first * reach)  # tan(t/4) grows by it
+    # By how much tan(t/4) grows: the tangent of a sum less `first`, written without a difference.
+    width = reach * (1 + first * first) / (1 - first * reach)
     last = first + width
-    # sinh(h) where D or rho is zero, at t = i h, the nearer of both; then tan(i h/4) / i.
+    # sinh^2(h) of the nearer singular point: D or rho is zero where sin^2(t) = -sinh^2(h). Halved
+    # twice it is the tangent of i h/4, over i.
     narrow = larger(smaller(A, E + c / (2 * torus.R)), 0.0) / B
     narrow = smaller(narrow, 1e100)
     half = square_root(narrow) / (1 + square_root(1 + narrow))
     peak = half / (1 + square_root((1 - half) * (1 + half)))
-    # Where the way begins past the peak, their distance from its beginning; zero isn't divided by.
-    past = larger(first, 0.0)
-    a0 = larger(square_root(peak * peak + past * past), 1e-30)
+    a0 = larger(peak, 1e-30)  # which is divided by
     x = first / a0
     z = last / a0
     root_x = square_root(1 + x * x)
     root_z = square_root(1 + z * z)
-    # The hyperbolic sine of the difference of y. Far from the turning point it cancels, on a short
-    # way nearly all of it: there it is the difference of the squares, (z - x)(z + x), over the sum.
+    # sinh of the difference of y at the ends is z root_x - x root_z. Past the turning point, x > 0,
+    # it cancels, on a short way nearly all of it: there z^2 root_x^2 - x^2 root_z^2, which is
+    # (z - x)(z + x), is divided by the sum.
     if x > 0:
         lead = x + root_x
         apart = width / a0 * (x + z) / (z * root_x + x * root_z)
@@ -534,7 +552,10 @@ def _stretched(torus, way):
 
 
 def moving(torus, way):
-    """Return what the motion of the limits adds to the rate of the turned angle."""
+    """Return what the motion of the limits adds to the rate of the turned angle.
+
+    It is the integrand at each limit times the limit's own derivative by the unknown.
+    """
     (sine, cosine), (across, along) = way.first, way.span
     upper = sine * along + cosine * across
     first = _density(torus, way, sine * sine)
@@ -543,30 +564,26 @@ def moving(torus, way):
 
 
 def _density(torus, way, sin2):
-    """Return the rate of the turned angle by t."""
+    """Return the integrand of the turned angle at a given sin^2(t)."""
     c, (A, B, E) = way.c, way.shape
     rho = c + 2 * torus.R * (E + B * sin2)
     return c / rho * square_root(2 * torus.R / ((rho + c) * (A + B * sin2)))
 
 
-def folded(rows, count):
-    """Return the sums of so many values of each of three rows, which change.
+def folded(row, count):
+    """Return the sum of the first `count` values of a row, which changes.
 
-    The order is kept: halves are added to each other as long as they are even.
+    While the number is even, the second half is added to the first. A compiler can do several of
+    these sums at once without changing their order, and so their bits.
     """
-    turned, rate, length = rows[0], rows[1], rows[2]
     while count % 2 == 0:
         count = count // 2
         for k in range(count):
-            turned[k] += turned[count + k]
-            rate[k] += rate[count + k]
-            length[k] += length[count + k]
-    turned_sum, rate_sum, length_sum = turned[0], rate[0], length[0]
+            row[k] += row[count + k]
+    total = row[0]
     for k in range(1, count):
-        turned_sum = turned_sum + turned[k]
-        rate_sum = rate_sum + rate[k]
-        length_sum = length_sum + length[k]
-    return turned_sum, rate_sum, length_sum
+        total = total + row[k]
+    return total
 
 
 # ---- the root ------------------------------------------------------------------
@@ -574,21 +591,33 @@ def folded(rows, count):
 
 @cache
 def rule(count):
-    """Return shares of the way, and weights, of Gauss and Legendre's quadrature (count / 2,).
+    """Return shares of the way, and weights (count / 2,), of half of the nodes of `gauss_rule`.
 
-    The other half has the same shares from the end.
+    The other half has the same shares from the other end.
     """
     nodes, weights = gauss_rule(count)
     return (1 + nodes[: count // 2]) / 2, weights[: count // 2] / 2
 
 
-def on_working_sheet(torus, a, angle):
-    """Return where few nodes do, found by doubling them until nothing changed."""
-    return torus.r <= torus.R / 4 and a <= 1 and angle <= 2
+@cache
+def quadratures(ring, ready):
+    """Return three quadratures, each with how many of its nodes count.
+
+    They are for the working sheet, for ways that near a node or the inner equator, and the finest.
+    Loops that are `ready`, compiled, take nodes eight at a time, so that some have no weight; plain
+    Python takes lists, on which it is fastest. `ring` tells whether the torus is one.
+    """
+    found = []
+    for count in (NODES_OF_WORKING_SHEET, NODES_OF_RING if ring else NODES, NODES):
+        shares, weights = rule(count)
+        rest = -len(shares) % 8
+        padded = np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
+        found.append((padded if ready else [shares.tolist(), weights.tolist()], count // 2))
+    return tuple(found)
 
 
-def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
-    """Return the way of a class that turns by an angle.
+def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
+    """Return the way of a class that turns by an angle, found by Newton's method in a bracket.
 
     Parameters
     ----------
@@ -596,16 +625,16 @@ def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
         The surface.
     ends : Ends
         The ends.
-    angle : float
-        The turned angle, in rad.
+    a, b, angle : float
+        phi at the ends, and the turned angle, in rad.
     begin : (u, scale, low)
-        As by `start`.
+        The first unknown, the scale on which steps are judged, and the least unknown.
     family : int
         OUTSIDE, INSIDE, PAST or BEFORE.
-    hard : bool
-        Whether it is one of `outer` that takes three legs.
-    nodes, rows
-        As of `integrate`.
+    rules : tuple
+        The `quadratures`.
+    rows : (3, m) float
+        Room for what nodes add, m at least as many as there are.
 
     Returns
     -------
@@ -614,31 +643,31 @@ def find_root(torus, ends, angle, begin, family, hard, nodes, rows):
     length, c, cos_a, cos_b : float
         Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
     """
+    # Here few nodes do: found by doubling them until nothing changed.
+    sheet = torus.r <= torus.R / 4 and a <= 1 and angle <= 2
+    hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
+    nodes = rules[0] if sheet else rules[1]
     u, scale, low = begin
-    high = math.inf
-    before = 0.0
-    total = reached = math.nan
-    done = False
+    high, before = math.inf, 0.0
+    way = way_of(family, torus, ends, u)
     for _ in range(ROUNDS):
-        way = way_of(family, torus, ends, u)
-        if done:  # this call of the class was for the azimuths at the last unknown alone
-            return True, total, way.c, way.cosines[0], way.cosines[1]
         turned, rate, length = integrate_way(torus, way, family, hard, nodes, rows)
         miss = angle - turned
-        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
-        # For a given angle the length is stationary in c: what u lacked hardly matters.
+        # Along the class dlength = c dturned: so the error of u counts here by its square.
         total = length + way.c * miss
-        reached = turned + (rate * step if step != 0 else 0.0)  # with a level start no rate
-        if done and not abs(reached - angle) <= AGREES:
-            break  # the class ends before it turns so far
+        low, high, before, step, u, done = newton(u, miss, rate, scale, low, high, before)
+        way = way_of(family, torus, ends, u)  # after the last step, for c and the azimuths alone
+        if done:
+            # What the last step leaves: much, where the class ends before it turns so far. A rate
+            # that isn't finite comes with a step of zero.
+            miss -= rate * step if step != 0 else 0.0
+            break
     else:
-        # On what is nearly a sphere all ways of a class may turn by the same to the last digit:
-        # then any u will do, however far the last step was.
-        way = way_of(family, torus, ends, u)
-        turned, _, length = integrate_way(torus, way, family, hard, nodes, rows)
-        if abs(turned - angle) * max(torus.r / torus.R, 1.0) <= AGREES:
-            total = length + way.c * (angle - turned)
-            return True, total, way.c, way.cosines[0], way.cosines[1]
+        # On what is nearly a sphere all ways of a class may turn by the same to the last digit.
+        # Then Newton's steps never become small, and any u will do.
+        miss *= larger(torus.r / torus.R, 1.0)
+    if abs(miss) <= AGREES:
+        return True, total, way.c, way.cosines[0], way.cosines[1]
     return False, math.nan, math.nan, math.nan, math.nan
 
 
@@ -652,70 +681,87 @@ def way_of(family, torus, ends, u):
 
 
 def integrate_way(torus, way, family, hard, nodes, rows):
-    """Return what `integrate` does for a way of a class, `family`, in legs where it is `hard`.
+    """Return what `integrate` does for a way of a class, in legs where one quadrature won't do.
 
-    The other arguments, torus, nodes and rows, are those of `integrate`.
+    The class is `family`; `hard` says that a way of `outer` needs legs, as those of `second` always
+    do. The other arguments, torus, nodes and rows, are those of `integrate`.
     """
-    if family > INSIDE:
-        return integrate_in_legs(torus, legs_of_second(way), nodes, rows)
-    if hard:
-        return integrate_in_legs(torus, in_legs(way), nodes, rows)
-    return integrate(torus, way, nodes, rows)
+    if family <= INSIDE and not hard:
+        return integrate(torus, way, nodes, rows)
+    turned = rate = length = 0.0
+    for leg in in_legs(way) if hard else legs_of_second(way):
+        parts = integrate(torus, leg, nodes, rows)
+        turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
+    return turned, rate, length
 
 
 def newton(u, miss, rate, scale, low, high, before):
-    """Return a new bracket low, high, how far u goes, a step, the next u, and whether it was last.
+    """Return a new bracket low, high, how far u goes, Newton's step, the next u, and if it's last.
 
-    `miss` is by how much the angle that is turned with the unknown u is too small, `rate` what it
-    gains with u, both in rad; u came `before` far to where it is, and is of some `scale`.
+    Parameters
+    ----------
+    u : float
+        The unknown.
+    miss, rate : float
+        By how much the angle turned with u is too small, and its derivative by u, in rad.
+    scale : float
+        Steps are judged against it and |u|.
+    low, high : float
+        The bracket so far; `high` is infinite while no angle was too great.
+    before : float
+        How far u has come in the round before.
     """
     # The turned angle grows with u: the sign of the miss says on which side the root is.
     if miss > 0:
         low = u
     if miss < 0:
         high = u
-    # Beyond the end of a class nothing changes, and the end may be the answer.
+    # Beyond the end of a class no angle changes: there rate is 0, and u is the root or none is.
     step = 0.0 if miss == 0 or rate == 0 else miss / rate
     onward = rate != 0 or abs(miss) <= AGREES
-    # A step that leaves the bracket, or isn't a number, gives way to halving it, and so does one
-    # that goes back nearly as far as u came, lest two swing to and fro for ever; while nothing was
-    # too far yet, u doubles at most, for a rate near zero would throw it where none comes back.
+    # The bracket is halved instead where Newton's step leaves it or isn't a number, and where the
+    # step goes back nearly as far as u has come: two such steps might repeat for ever. Until some
+    # angle was too great, u at most doubles: a rate near zero would throw it where every rate is 0.
     if not (before == 0 or (step > 0) == (before > 0) or abs(step) <= 0.9 * abs(before)):
         onward = False
     endless = high == math.inf
     most = 2 * abs(u) + 0.5 if endless else high
     sound = onward and low <= u + step <= most
     halved = most if endless else (low + high) / 2
-    # The second condition: where nothing turns so far, u grows until any step is small.
+    # A small step isn't enough: where no way turns so far, u grows until every step is small to it.
     done = sound and abs(step) <= STEP * (abs(u) + scale) and abs(miss) < NEAR
     new = u + step if sound else halved
     return low, high, new - u, step, new, done
 
 
 def start(torus, ends, a, b, angle):
-    """Return a first guess for `outer`, the scale of the unknown near zero, and its least value.
+    """Return where `find_root` begins for `outer`: a first guess, a scale, and the least unknown.
 
-    On a `torus`, between `ends` at phi = a and b, for a way that turns by an `angle`, in rad.
+    The guess is the geodesic of a sphere, the chord from a to b being seen at the same elevation in
+    the tangent plane at a. The torus and its ends at phi = a and b are those of `outer`; the way
+    turns by `angle`, in rad.
     """
     R = torus.R
     rho_a = ends.rho_a
     half, other = sine_cosine(angle / 2)
-    # The chord's elevation in the tangent plane at a, which is the answer on a sphere. Its part
-    # towards growing phi is the meridian's, and what the parallel bends inwards meanwhile.
+    # The chord's parts along the meridian at a, towards growing phi, and along the parallel. The
+    # first one is made up of the chord from a to b in the meridian plane and of what the parallel
+    # bends inwards.
     sine_a = 2 * ends.sine_a * ends.cosine_a
     up = 2 * (ends.rho_b * half * half * sine_a - R * ends.sine * ends.cosine)
     along = 2 * ends.rho_b * abs(half * other)
     size = square_root(up * up + along * along)
     sine = up / size
-    # x of that azimuth: rho_a - c = 2R x^2 with c = rho_a cos(tilt), 1 - cos as sin^2 / (1 + cos).
+    # x of that azimuth: 2R x^2 = rho_a - c = rho_a (1 - cosine), where 1 - cosine is taken as
+    # sine^2 / (1 + cosine), which keeps its digits.
     x = sine * rho_a / square_root(2 * R * rho_a * (1 + along / size))
     X = ends.room
-    # From x to u, kept off both ends of the class.
+    # From x to u by the inverse of each part of `outer`, kept off both ends of the class.
     guess = 0.99 * x
     if x > 0:
         share = smaller(x / X, 0.95)
         guess = X * area_sine(share / square_root((1 - share) * (1 + share)))
-    # Near the meridian u counts by its logarithm what x lacks of it: c / 2R over their sum.
+    # What x lacks of the meridian's: L + x = (L^2 - x^2) / (L - x) = c / 2R / (L - x).
     if wide(torus) and x < -STEEP * ends.meridian:
         L = ends.meridian
         rest = rho_a * (along / size) / (2 * R) / (L * (L - x))
@@ -723,10 +769,8 @@ def start(torus, ends, a, b, angle):
         far = 2 * area_sine((times - 1 / times) / 2)
         guess = -L * (STEEP + (1 - STEEP) * far)
     if not a > 0:
-        guess = X / 2  # from the outer equator it has to rise somehow
-    # Steps are judged against |u| and this scale, lest a root near zero be sought for ever. With
-    # b > 0 so large a scale would let them end too early near the inner equator, where roots are
-    # small themselves; one that asks for steps of rounding size doesn't.
-    # By a node the whole class is no longer than X.
-    scale = smaller(ends.sine_a if b <= 0 else ROUNDING, X)
-    return guess, scale, steepest(torus, ends)
+        guess = X / 2  # from the outer equator any way has to rise first
+    # Without a scale a root near zero would be sought until its last digit, however small it is. By
+    # a node the whole class is no longer than X.
+    scale = smaller(ends.sine_a, X)
+    return guess, scale, -(STEEPEST if wide(torus) else 1.0) * ends.meridian

@@ -1,15 +1,17 @@
 """The inverse problem: the shortest geodesic between two positions on a torus, and its rivals.
 
-Clairaut's first integral turns it into one equation for each class of geodesics (`geodesic_root`);
-the direct problem, which follows a geodesic from its start, checks it. Ends come in a normal form,
-and each class answers with a `Way`. The functions take plain numbers, one pair of ends at a time,
-and run as they stand or compiled, with the same bits. Kinds and certificates are codes, places in
+Clairaut's first integral turns it into one equation for each class of geodesics, which
+`geodesic_root` solves. The ends are brought to a normal form, an `EndPair`; each class answers with
+a `Way`; the shortest of these is the answer. The direct problem, which follows a geodesic from its
+start, checks it.
+
+The functions below `Geodesic` take plain numbers, one pair of ends at a time. They run as they
+stand or compiled, with the same bits. Kinds and certificates are codes, the places of words in
 `KINDS` and `CERTIFICATES`.
 """
 
 import math
 from dataclasses import dataclass
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -26,22 +28,17 @@ from .direct_problem import followed
 from .geodesic_root import (
     BEFORE,
     INSIDE,
-    NODES,
-    NODES_OF_RING,
-    NODES_OF_WORKING_SHEET,
     OUTSIDE,
     PAST,
     PI_REST,
     ROUNDING,
+    Ends,
     Radii,
     ends_at,
     find_root,
-    half_angles,
     half_swing_by_the_node,
     integrate_way,
-    on_working_sheet,
-    peaked,
-    rule,
+    quadratures,
     start,
     way_of,
 )
@@ -50,18 +47,19 @@ KINDS = np.array(["none", "point", "meridian", "outer", "inner"])
 CERTIFICATES = np.array(["", "meridian", "only", "first"])
 NONE, POINT, MERIDIAN, OUTER, INNER = range(len(KINDS))
 
-LEVEL = 1e-30  # of the way along it, ends nearer to the outer equator count as on it
-NEAR = 1e-45  # of R, a shorter way is straight; products of four lengths would vanish
-LARGE = 2.0**500  # times it, what is below NEAR keeps its digits, however small it is
-WOUND = 17  # of the unknown of a ring's class, in its own unit: there c is r - R to fourteen digits
+LEVEL = 1e-30  # of the arc between them: ends nearer to the outer equator count as on it
+NEAR = 1e-45  # of R: a shorter way counts as straight, lest products of four lengths vanish
+LARGE = 2.0**500  # a factor that brings lengths below NEAR to where they have all digits
+WOUND = 17  # in units of its class: for such an unknown c is r - R to fourteen digits
 CLASSES = 8  # of `competing_geodesics`
-FARTHEST = 10  # of the unknown of `second`, in its own unit: c is within 1e-8 of its least there
-NEAREST = 1e-9  # of the same: at zero the outer equator would leave no quadrature
-HALVINGS = 30
-BLOCK = 8192  # pairs at a time, compiled: they need the same room however many there are
-PLAIN_BLOCK = 16  # pairs at a time in plain Python, which are asked again where numbers over- or
-# underflow, by numbers that divide by zero and are ten times as slow
-SECONDS = 1e-4, 4e-4  # for a pair in plain Python, on the working sheet and on a ring
+FARTHEST = 10  # the unknown of `second`, in units of its class, where c is least to 1e-8
+NEAREST = 1e-9  # the same next to zero, where the outer equator would leave no quadrature
+HALVINGS = 30  # of the bracket between both, which is then 1e-8 wide: the turn is least to rounding
+BLOCK = 8192  # pairs at a time, compiled: any number of pairs needs the same room
+# Pairs at a time in plain Python. Where a number over- or underflows, all of them are asked again
+# with numpy's numbers, which divide by zero but are ten times as slow.
+PLAIN_BLOCK = 16
+SECONDS = 1e-4, 4e-4  # that a pair takes in plain Python, on the working sheet and on a ring
 SECONDS_OF_RIVALS = 3e-2
 
 
@@ -97,24 +95,25 @@ class Geodesic:
 
     @property
     def kind(self):
-        """Return kinds as (...) str.
+        """Return the kinds of the geodesics, as (...) str.
 
-        "meridian", "outer", "inner" (over the inner equator of a ring torus, or through the node
-        of a horn), "point" (the ends coincide), or "none" where an end isn't on the working sheet.
+        They are "meridian", "outer", "inner" (over the inner equator of a ring, or through the node
+        of a horn), "point" (the ends coincide), or "none" where there is no answer.
         """
         return KINDS[self.kind_code]
 
     @property
     def certificate(self):
-        """Return why each is the shortest, as (...) str: see `geodesic_inverse`.
+        """Return why each geodesic is the shortest, as (...) str: see `geodesic_inverse`.
 
-        "meridian", "only" or "first"; empty where there is no answer, and of rivals.
+        The reasons are "meridian", "only" or "first"; rivals have none, nor do ends without an
+        answer.
         """
         return CERTIFICATES[self.certificate_code]
 
     @property
     def converged(self):
-        """Return where there is an answer, whose turned angle is met to 1e-9 rad, as (...) bool."""
+        """Return where there is an answer, as (...) bool; its turned angle is met to 1e-9 rad."""
         return self.kind_code != NONE
 
     @property
@@ -142,7 +141,7 @@ class Geodesic:
         azimuth = np.where(self.kind_code == POINT, 0.0, self.azimuth1)
         way = followed(self.torus, self.p, azimuth, self.length, n, self.clairaut)
         if self.torus.r == self.torus.R:
-            # Through the node of a horn, where the meridians of both ends meet.
+            # A way through the node of a horn goes on along the meridian of the other end.
             turn, phi, _ = turn_and_ends(self.p, self.q).T.reshape(3, *self.p.shape[:-1], 1)
             passed = way.s > self.torus.R * (np.pi - abs(phi))
             through = (self.kind_code == INNER)[..., None] & passed
@@ -170,37 +169,38 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
 
     Notes
     -----
-    That nothing on the sheet is shorter is proved (report, section on geodesics), for all ends.
+    The report's section on geodesics proves for all ends that nothing on the sheet is shorter.
     Let the end with the greater |phi| come first. Of the geodesics that come to the other
     end's parallel for the first time, and not round a ring's tube, exactly one turns by a given
     angle up to pi: their turned angle grows strictly from the descending meridian to beyond pi,
-    because half a swing between the turning points,
+    because the turned angle of half a swing between the turning points,
 
         T(c) = 2R / (R + r) int_0^(pi/2) sqrt(1 + 2r / (rho + R - r)) dx,
         1 / rho^2 = cos^2(x) / c^2 + sin^2(x) / (R + r)^2,
 
     falls as c grows. Every later arrival at the same end is longer, and so is a way that leaves a
-    node on the side where it entered, or one that turns by more than pi. Round a ring's tube one
-    geodesic turns by that angle, the shortest of those ways; it is looked at where the ends lie in
-    opposite halves. On a horn, r = R, both nodes are one point: there two arcs of meridians
-    through it take that geodesic's place, kind "inner", R (2 pi - |phi1| - |phi2|) long. So there
-    is one root to find, or two, and the shorter way is returned. As r falls to R the lengths tend
-    to the horn's. As it grows to R they don't: on the outer sheet a spindle's nodes remain apart.
+    node on the side where it entered, or one that turns by more than pi. Of the geodesics round a
+    ring's tube exactly one turns by that angle, and it is the shortest of them; it can win only
+    where the ends lie in opposite halves. On a horn, r = R, both nodes are one point, and two arcs
+    of meridians through it take that geodesic's place, with kind "inner" and a length of
+    R (2 pi - |phi1| - |phi2|). So there is one root to find, or two, and the shorter way is
+    returned. As r falls to R, the lengths tend to the horn's. As r grows to R they don't, for on
+    the outer sheet of a spindle the nodes remain apart.
 
-    The certificate says why: "meridian" for the arc between ends with the same theta; "only" up to
-    turns of pi / sqrt(1 + r / R), within which no later arrival falls, since T(c) is longer (below
-    pi; and no longer range will do, by the outer equator's conjugate point); "first" beyond, where
-    later arrivals exist. Ends half a turn apart have a mirror image of the answer beside it, and
-    so have ends with phi and -phi past their conjugate point.
+    The certificate says why the answer is the shortest. It is "meridian" for the arc between ends
+    with the same theta; "only" for turns up to pi / sqrt(1 + r / R), and below pi, where no later
+    arrival exists, since T(c) is greater; "first" beyond. No greater limit than that would do, for
+    it is the outer equator's conjugate point. Ends half a turn apart have a mirror image of the
+    answer that is as short, and so have ends at phi and -phi past their conjugate point.
 
     On a spindle's whole surface, its inner sheet included, the answer is the shortest where it is
     no longer than R (2 pi - |phi2 - phi1|), for no way through both nodes is shorter than that.
 
-    Lengths are right to rounding. Where an end is within 0.1 rad of a node they are right to 3e-14
-    of themselves, ways shorter than 0.01 R to 2e-15 R; and to 2e-13 R where a way all but touches
-    a node or the axis, on what is nearly a sphere or a horn. See tests/references for a table of
-    hard ones. Far angles are reduced as exactly as by `Torus.point`. Ends nearer than 1e-45 R are
-    joined in the tangent plane; only ends that are the same are a point, without a direction.
+    Lengths are right to rounding. With an end within 0.1 rad of a node they are right to 3e-14 of
+    themselves, or to 2e-15 R if they are shorter than 0.01 R; and to 2e-13 R where a way all but
+    touches a node or the axis, on what is nearly a sphere or a horn. `tests/references` has a table
+    of hard ones. Far angles are reduced as exactly as by `Torus.point`. Ends nearer to each other
+    than 1e-45 R are joined in the tangent plane; only ends that are the same have no direction.
 
     Examples
     --------
@@ -211,14 +211,10 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     >>> float(off.length), str(off.kind)
     (nan, 'none')
     """
-    check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
-    size, unit = radii(torus)
-    seconds = SECONDS[size.r > size.R]
-    length, first, last, c, kind, why = _answers(find, size, turn_and_ends(p, q), 6, seconds)
-    codes = kind.astype(np.uint8), why.astype(np.uint8)
-    fields = length * unit, first, last, c * unit, *codes
-    return Geodesic(torus, p, q, *(one.reshape(p.shape[:-1])[()] for one in fields))
+    seconds = SECONDS[torus.r > torus.R]
+    (found,) = _answers(find, "geodesics", 1, seconds, torus, p, q)
+    return _geodesic(torus, p, q, found)
 
 
 @checked
@@ -235,41 +231,42 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
     Returns
     -------
     geodesic : Geodesic
-        With one more axis in front, of length 8, the shortest first; kind "none" where there are
-        fewer. Only the first has a certificate.
+        Its arrays have one more axis in front, of length 8, with the shortest first and the kind
+        "none" where there are fewer. Only the first has a certificate.
 
     Notes
     -----
-    Four classes, each for the short and for the long way round the axis, both less than a whole
-    turn. Let the end with the greater |phi| come first, and look at the geodesics that come to the
-    other's parallel
+    There are four classes, each for the short and for the long way round the axis, which together
+    make one turn. Let the end with the greater |phi| come first, and look at the geodesics that
+    come to the other's parallel
 
-    - for the first time: one geodesic, or none where it would have to pass a node;
-    - for the second time, after a turning point on the other side: none short of a least turn, one
-      to either side of it beyond, the second of them past two turning points or none;
-    - over the inner equator of a ring, on the side of the farther end: one geodesic; on a horn one
-      way through the node, along two meridians, whichever way round. Between two
-      places on the outer equator, past its first conjugate point, it gives way to the equator.
+    - for the first time: there is one, or none where it would have to pass a node;
+    - for the second time, after a turning point on the other side: below a least turn there is
+      none, and beyond it there are two, which make two classes; either is missing where it would
+      have to pass a node;
+    - over the inner equator of a ring, on the side of the farther end: there is one; on a horn its
+      place is taken by one way through the node, along two meridians, whichever way round. Between
+      two places on the outer equator, past its first conjugate point, this class holds the equator.
 
     That the second arrivals' turn has one least value was seen on all tori that were tried; the
-    rest is proved. Left out are later arrivals, each of which swings across the outer equator once
-    more, and ways that wind about the tube or the axis farther. Where both ways round turn by less
-    than 2 pi / sqrt(1 + r / R), two half swings, no later arrivals exist: between ends that are
-    more than 17 degrees of theta apart on the reference machine's torus.
+    rest is proved. Later arrivals are left out, each of which swings across the outer equator once
+    more, and so are ways that wind about the tube or the axis farther. No later arrivals exist
+    where both ways round turn by less than two half swings, 2 pi / sqrt(1 + r / R): on the
+    reference machine's torus that is between ends more than 17 degrees of theta apart.
     """
-    check_ratio(torus)
     p, q = np.broadcast_arrays(p, q)
-    size, unit = radii(torus)
-    ends = turn_and_ends(p, q)
-    found = _answers(find_rivals, size, ends, 6 * CLASSES, SECONDS_OF_RIVALS)
-    found = found.reshape(CLASSES, 6, len(ends))
+    found = _answers(find_rivals, "rival geodesics", CLASSES, SECONDS_OF_RIVALS, torus, p, q)
     order = np.argsort(found[:, :1], axis=0)  # NaN comes last
-    length, first, last, c, kind, why = np.moveaxis(np.take_along_axis(found, order, axis=0), 1, 0)
-    why[1:] = 0
-    shape = CLASSES, *p.shape[:-1]
-    fields = length * unit, first, last, c * unit, kind.astype(np.uint8), why.astype(np.uint8)
-    p, q = (np.broadcast_to(end, (*shape, 2)) for end in (p, q))
-    return Geodesic(torus, p, q, *(one.reshape(shape) for one in fields))
+    found = np.take_along_axis(found, order, axis=0)
+    found[1:, 5] = 0
+    p, q = (np.broadcast_to(end, (CLASSES, *end.shape)) for end in (p, q))
+    return _geodesic(torus, p, q, np.moveaxis(found, 1, 0))
+
+
+def _geodesic(torus, p, q, found):
+    """Return the `Geodesic` from p to q (..., 2) by what a loop over pairs has found, six rows."""
+    *numbers, kind, why = found.reshape(6, *p.shape[:-1])
+    return Geodesic(torus, p, q, *numbers, kind.astype(np.uint8), why.astype(np.uint8))
 
 
 # ---- ends, and ways that need no search --------------------------------------
@@ -278,9 +275,8 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
 class EndPair(NamedTuple):
     """Ends in normal form: from phi = a >= 0 to phi = b, |b| <= a, turning by an angle >= 0.
 
-    `mirror` is -1 where phi was mirrored to make them so, `side` is -1 where theta was, and `swap`
-    tells whether the ends were exchanged. `on_sheet` tells whether both are on the working sheet,
-    `halves` are the `half_angles` of both.
+    `mirror` is -1 if phi was mirrored for that, `side` is -1 if theta was, and `swap` tells whether
+    the ends were exchanged. `on_sheet` tells whether both are on the working sheet.
     """
 
     a: float
@@ -290,7 +286,7 @@ class EndPair(NamedTuple):
     side: float
     swap: bool
     on_sheet: bool
-    halves: tuple
+    ends: Ends
 
 
 class Way(NamedTuple):
@@ -299,11 +295,11 @@ class Way(NamedTuple):
     Parameters
     ----------
     kind : int
-        Its code.
+        The code of its kind.
     length, c : float
         Its length and Clairaut's constant, in m.
     cos_a, cos_b : float
-        Cosines of its azimuths.
+        The cosines of its azimuths at a and b.
     """
 
     kind: int
@@ -311,12 +307,6 @@ class Way(NamedTuple):
     c: float
     cos_a: float
     cos_b: float
-
-
-def radii(torus):
-    """Return the `Radii` of a torus, and their unit in m."""
-    unit = math.ldexp(1.0, math.frexp(torus.R)[1] - 1)
-    return Radii(float(torus.r / unit), float(torus.R / unit)), unit
 
 
 def turn_and_ends(p, q):
@@ -327,7 +317,7 @@ def turn_and_ends(p, q):
     found[:, 1] = p[:, 1]
     found[:, 2] = q[:, 1]
     if not none_outside(found, -math.pi, math.pi):
-        # What the difference of far angles loses may be more than pi.
+        # Rounding the difference of far angles may lose more than pi: both parts are reduced.
         turn, rest = two_sum(q[:, 0], -p[:, 0])
         found[:, 0] = reduced(turn) + reduced(rest)
         found = reduced(found)
@@ -335,9 +325,9 @@ def turn_and_ends(p, q):
 
 
 def normal_form(torus, turn, phi1, phi2):
-    """Return ends on a torus, phi1 and phi2, and the turn between, as an `EndPair`.
+    """Return the `EndPair` of ends on a torus at phi1 and phi2, a `turn` apart, in rad.
 
-    All are in rad, from -pi to pi.
+    All three are from -pi to pi.
     """
     angle = abs(turn)
     # The end farther from the outer equator comes first, mirrored to phi >= 0.
@@ -346,40 +336,43 @@ def normal_form(torus, turn, phi1, phi2):
     mirror = -1.0 if a < 0 else 1.0
     a = a * mirror
     b = b * mirror
-    # So near the outer equator, for their turn, ends are on it to the last digit of the way between
-    # them and of its azimuths, and products of their sines would vanish.
+    # The way between ends so near to the outer equator, for their turn, is the equator to the last
+    # digit of its length and azimuths, while products of the ends' sines would vanish.
     if torus.R * a < LEVEL * ((torus.r + torus.R) * angle):
         a = b = 0.0
-    halves = half_angles(torus, a, b)
+    ends = ends_at(torus, a, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
-    rho_a, _ = halves[4:]
-    return EndPair(a, b, angle, mirror, -1.0 if turn < 0 else 1.0, swap, rho_a > 0, halves)
+    on_sheet = ends.rho_a > 0
+    return EndPair(a, b, angle, mirror, -1.0 if turn < 0 else 1.0, swap, on_sheet, ends)
 
 
 def nothing():
-    """Return the `Way` that says that there is none."""
+    """Return the `Way` of a class that has none."""
     return Way(NONE, math.nan, math.nan, math.nan, math.nan)
 
 
 def level(torus, pair):
-    """Return as a `Way` what needs no search: a meridian, the outer equator, ends all but one."""
+    """Return the `Way` of ends that need no search, or `nothing` for all others.
+
+    Such are ends on one meridian, on the outer equator, or next to each other.
+    """
     a, b, angle = pair.a, pair.b, pair.angle
     span = torus.r + torus.R
-    # The outer equator is shortest up to its conjugate point. In the class it is u = 0, where
-    # sin(phi/2) vanishes all along and leaves no quadrature.
+    # The outer equator is shortest up to its conjugate point. It is u = 0 of `outer`, where
+    # sin(phi/2) is zero all along, so that the quadrature has nothing to go by.
     if angle > 0 and a == 0 and angle <= conjugate_turn(torus):
         return Way(OUTER, span * angle, span, 0.0, 0.0)
     if not pair.on_sheet:
         return nothing()
-    # On one meridian c = 0, the end of the class, which a search would only near.
+    # On one meridian c = 0, the end of a class, to which a search would only come near.
     if angle == 0:
         return Way(POINT if a == b else MERIDIAN, torus.R * (a - b), 0.0, -1.0, -1.0)
     if span * angle < NEAR * torus.R and a - b < NEAR:
-        # So near to each other that the surface is the tangent plane between them.
-        rho_a, _ = pair.halves[4:]
+        # Between ends so near to each other the surface is its tangent plane.
+        rho_a = pair.ends.rho_a
         across = rho_a * (LARGE * angle)
         down = torus.R * (LARGE * (a - b))
-        most = larger(across, down)  # over it, squares are neither too small nor too large
+        most = larger(across, down)  # divided by it, numbers have squares within range
         part, rest = across / most, down / most
         size = most * square_root(part * part + rest * rest)
         return Way(OUTER, size / LARGE, rho_a * (across / size), -(down / size), -(down / size))
@@ -387,33 +380,35 @@ def level(torus, pair):
 
 
 def through(torus, pair):
-    """Return the way along two meridians, over phi = pi, the node of a horn."""
-    # Twice pi less a and -b, to the last digit.
+    """Return the way along two meridians that meet at phi = pi, the node of a horn."""
+    # 2 pi - a + b: near pi each difference is exact, and what pi lacks is added.
     span = ((math.pi - pair.a) + (math.pi + pair.b)) + 2 * PI_REST
     return Way(INNER, torus.R * span, 0.0, 1.0, 1.0)
 
 
 def conjugate_turn(torus):
-    """Return the turn to the first conjugate point on the outer equator, the least half swing."""
+    """Return the turn from a place on the outer equator to its first conjugate point.
+
+    It is also the least turned angle of half a swing.
+    """
     return math.pi * math.sqrt(torus.R / (torus.r + torus.R))
 
 
 def azimuths(pair, way):
-    """Return the azimuths at the ends as they were given, and c."""
-    # Where the ends were exchanged the way is gone backwards: that changes the sign of the cosine,
-    # and of the sine twice, since the turn is reckoned from the other end, too.
+    """Return the azimuths at the ends, in the order given, and c with its sign."""
+    # If the ends were exchanged the way is followed backwards. That changes the sign of the cosine,
+    # and of the sine twice, for the turn counts from the other end, too.
     back = -pair.mirror if pair.swap else pair.mirror
     c = pair.side * way.c
     if way.kind <= POINT:  # which has no direction
         return math.nan, math.nan, c
-    rho_a, rho_b = pair.halves[4:]
-    first = arctangent(ratio(c, rho_a), back * way.cos_a)
-    last = arctangent(ratio(c, rho_b), back * way.cos_b)
+    first = arctangent(ratio(c, pair.ends.rho_a), back * way.cos_a)
+    last = arctangent(ratio(c, pair.ends.rho_b), back * way.cos_b)
     return (last, first, c) if pair.swap else (first, last, c)
 
 
 def certificate(torus, pair, kind):
-    """Return the code of why a way of some kind is the shortest."""
+    """Return the code of the reason why a way of some kind is the shortest."""
     if kind == NONE:
         return 0
     if kind == MERIDIAN or kind == POINT:
@@ -426,7 +421,7 @@ def certificate(torus, pair, kind):
 
 
 def near_side(torus, pair, rules, rows):
-    """Return the way over the side of the farther end, or down the outside of a meridian.
+    """Return the way of `outer`, or the one that needs no search.
 
     Parameters
     ----------
@@ -435,21 +430,22 @@ def near_side(torus, pair, rules, rows):
     pair : EndPair
         The ends.
     rules : tuple
-        Three quadratures: for the working sheet, for what nears a node or the inner equator, and
-        the finest; each `padded` or `listed`, and how many of its nodes count.
+        The `quadratures`.
     rows : (3, m) float
         Room for what nodes add, m at least as many as there are.
     """
     way = level(torus, pair)
-    # Half a swing is more than half a turn, but for rounding on what is nearly a sphere.
+    # A way turns by less than half a swing by the node. On what is nearly a sphere rounding may
+    # make this less than the half turn that it is on a sphere.
     most = larger(half_swing_by_the_node(torus), math.pi)
     if not pair.on_sheet or way.kind != NONE or pair.angle > most:
         return way
-    return family_root(torus, pair, OUTSIDE, math.nan, rules, rows)
+    begin = start(torus, pair.ends, pair.a, pair.b, pair.angle)
+    return family_root(torus, pair, OUTSIDE, begin, rules, rows)
 
 
 def far_side(torus, pair, rules, rows):
-    """Return the way over a ring's inner equator or a horn's node, or along either equator.
+    """Return the way of `inner` on a ring, through the node of a horn, or along an equator.
 
     The arguments torus, pair, rules and rows are those of `near_side`.
     """
@@ -457,12 +453,12 @@ def far_side(torus, pair, rules, rows):
     span = torus.r + torus.R
     narrow = torus.r - torus.R
     if a == 0 and angle > conjugate_turn(torus):
-        # Past its conjugate point the outer equator is a geodesic still, though no shortest one.
+        # Past its conjugate point the outer equator is still a geodesic, but not the shortest.
         return Way(OUTER, span * angle, span, 0.0, 0.0)
     if narrow < 0 or not pair.on_sheet:  # the working sheet of a spindle ends at its nodes
         return nothing()
     if a == math.pi and abs(b) == math.pi:
-        # Along the inner equator c = r - R, the class's other end.
+        # The inner equator, c = r - R, is the other end of the class.
         if angle == 0:
             return Way(POINT, 0.0, 0.0, 0.0, math.nan)
         return Way(INNER, narrow * angle, narrow, 0.0, 0.0)
@@ -472,9 +468,10 @@ def far_side(torus, pair, rules, rows):
         round_ = through(torus, pair)
         return Way(MERIDIAN, round_.length, 0.0, 1.0, 1.0) if two_ends else nothing()
     if narrow == 0:
-        # Both nodes of a horn are one point: any way through it enters above and leaves below.
+        # Both nodes of a horn are one point. A way through it comes from above and leaves below.
         return through(torus, pair) if two_ends and angle <= math.pi else nothing()
-    return family_root(torus, pair, INSIDE, math.nan, rules, rows) if a > 0 else nothing()
+    begin = 0.5, 0.0, 0.0
+    return family_root(torus, pair, INSIDE, begin, rules, rows) if a > 0 else nothing()
 
 
 def shortest(torus, pair, rules, rows):
@@ -483,7 +480,7 @@ def shortest(torus, pair, rules, rows):
     The arguments torus, pair, rules and rows are those of `near_side`.
     """
     outside = near_side(torus, pair, rules, rows)
-    # Over the inner equator only between opposite halves: else the outside is shorter.
+    # The way over the inner equator can be shorter only between opposite halves.
     on_inner = pair.a == math.pi and abs(pair.b) == math.pi
     if torus.r < torus.R or not (pair.b < 0 or on_inner):
         return outside
@@ -493,54 +490,45 @@ def shortest(torus, pair, rules, rows):
     return outside
 
 
-def family_root(torus, pair, family, least, rules, rows):
+def family_root(torus, pair, family, begin, rules, rows):
     """Return the way of a class that reaches the turned angle, or none.
 
-    The class is `family`, and `least` the unknown of `second` from which it starts, else not a
-    number; the others, torus, pair, rules and rows, are those of `near_side`.
+    The class is `family`, and `begin` tells `find_root` where to begin; the other arguments, torus,
+    pair, rules and rows, are those of `near_side`.
     """
     a, b, angle = pair.a, pair.b, pair.angle
-    few, many, most = rules
-    ends = ends_at(torus, a, b, pair.halves)
-    sheet = on_working_sheet(torus, a, angle)
-    hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
-    begin = 0.5, 0.0, 0.0
-    if family > INSIDE:
-        begin = least + 0.25, ROUNDING, least
-    elif family == OUTSIDE:
-        begin = start(torus, ends, a, b, angle)
-    nodes = few if sheet else many
-    kind = INNER if family == INSIDE else OUTER
-    found = find_root(torus, ends, angle, begin, family, hard, nodes, rows)
+    ends = pair.ends
+    found = find_root(torus, ends, a, b, angle, begin, family, rules, rows)
     if found[0] or torus.r <= torus.R or family > INSIDE:
+        kind = INNER if family == INSIDE else OUTER
         return Way(kind, *found[1:]) if found[0] else nothing()
-    # A ring's way may turn so often that c can't tell it from the inner equator.
+    # A ring's way may follow the inner equator for so long that c = r - R to its last digit.
     far = WOUND * (ends.cosine_a if family == OUTSIDE else 1.0)
     far_way = way_of(family, torus, ends, far)
-    turned, _, _ = integrate_way(torus, far_way, family, False, most, rows)
-    return _wound(torus, pair, family, most) if turned < angle else nothing()
+    turned, _, _ = integrate_way(torus, far_way, family, False, rules[2], rows)
+    return _wound(torus, pair, family, rules[2]) if turned < angle else nothing()
 
 
 def _wound(torus, pair, family, nodes):
-    """Return the way of a ring that follows its inner equator to the last digit of c.
+    """Return the way of a class, `family`, for which c = r - R to its last digit.
 
-    In a given class length = c angle + int R sqrt(1 - c^2 / rho^2) dphi is stationary in c; so
-    c = r - R will do.
+    For ends a given angle apart length = c angle + int R sqrt(1 - c^2 / rho^2) dphi is stationary
+    in c: so this c is near enough. It follows the inner equator of a ring for a while.
     """
     c = torus.r - torus.R
     first, cos_a = _from_inner_equator(torus, math.pi - pair.a, nodes)
     end = abs(pair.b) if family == INSIDE else pair.b
     last, cos_b = _from_inner_equator(torus, math.pi - end, nodes)
     length = c * pair.angle + torus.R * (first + last)
-    if family == INSIDE:
-        return Way(INNER, length, c, cos_a, cos_b)
-    return Way(OUTER, length, c, cos_a, -cos_b)
+    # Over the inner equator phi goes on growing at b; round the outside it falls there.
+    kind, sign = (INNER, 1.0) if family == INSIDE else (OUTER, -1.0)
+    return Way(kind, length, c, cos_a, sign * cos_b)
 
 
 def _from_inner_equator(torus, z, nodes):
     """Return int sqrt(1 - c^2 / rho^2) dz from 0 to z, c = r - R, and the integrand at z.
 
-    z, in rad, counts from the inner equator of a ring.
+    z counts from the inner equator of a ring, in rad.
     """
     shares, count = nodes
     total = 0.0
@@ -560,7 +548,7 @@ def _cosine_at(torus, z):
 
 
 def second_arrivals(torus, pair, least, rules, rows):
-    """Return the ways that turn on the other side: before the least turned angle, and past it.
+    """Return the two ways of `second`, with unknowns before that of the least turn, and past it.
 
     `least` is what `least_second` returns; torus, pair, rules and rows are those of `near_side`.
     """
@@ -568,11 +556,14 @@ def second_arrivals(torus, pair, least, rules, rows):
     before, past = nothing(), nothing()
     if pair.on_sheet and pair.angle > turned:
         swing = half_swing_by_the_node(torus)
-        # The turned angle grows to either side of its least: below it, -u is the unknown.
+        # To either side of its least value the turned angle grows. `find_root` wants one that grows
+        # with the unknown: so before the least one it gets -u.
         if pair.angle < swing:
-            before = family_root(torus, pair, BEFORE, -unknown, rules, rows)
+            begin = 0.25 - unknown, ROUNDING, -unknown
+            before = family_root(torus, pair, BEFORE, begin, rules, rows)
         if pair.angle < 2 * swing:
-            past = family_root(torus, pair, PAST, unknown, rules, rows)
+            begin = 0.25 + unknown, ROUNDING, unknown
+            past = family_root(torus, pair, PAST, begin, rules, rows)
     return before, past
 
 
@@ -583,8 +574,9 @@ def least_second(torus, pair, nodes, rows):
     """
     if not pair.on_sheet:
         return math.nan, math.nan
-    ends = ends_at(torus, pair.a, pair.b, pair.halves)
-    # Towards either end of the class the turned angle grows: its rate changes its sign once.
+    ends = pair.ends
+    # Towards either end of the class the turned angle grows: so its rate changes its sign once,
+    # where it is least.
     low, high = -FARTHEST * ends.room, -NEAREST * ends.room
     for _ in range(HALVINGS):
         middle = (low + high) / 2
@@ -600,26 +592,12 @@ def least_second(torus, pair, nodes, rows):
 
 # ---- loops over pairs ----------------------------------------------------------
 
-INLINED = "growth", "two_to_bits", "add_nodes"  # compiled, so that several nodes go at once
-
-
-@cache
-def padded(count):
-    """Return shares and weights of a `rule`, some of no weight, eight at a time."""
-    shares, weights = rule(count)
-    rest = -len(shares) % 8
-    return np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
-
-
-@cache
-def listed(count):
-    """Return shares and weights of a `rule` as lists, for plain Python."""
-    return [row.tolist() for row in rule(count)]
+INLINED = "growth", "two_to_bits", "add_nodes"  # so that compiled code takes several nodes at once
 
 
 @loop(inlined=INLINED)
 def find(torus, ends, rules, rows, answers):
-    """Write down the shortest way between each of some pairs of ends.
+    """Fill in the shortest way between the ends of each pair.
 
     Parameters
     ----------
@@ -640,20 +618,17 @@ def find(torus, ends, rules, rows, answers):
 
 @loop(inlined=INLINED)
 def find_rivals(torus, ends, rules, rows, answers):
-    """Write down one way of each class between each of some pairs of ends.
+    """Fill in one way of each class between the ends of each pair.
 
     The arguments torus, ends, rules and rows are those of `find`; `answers` (48, n) has six rows
     for each of eight classes.
     """
     for i in range(len(ends)):
         pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])
-        a, b, angle, mirror, side, swap, on_sheet, halves = pair
+        a, b, angle, mirror, side, swap, on_sheet, there = pair
         least = least_second(torus, pair, rules[2], rows)
         row = 0
-        for one in (
-            pair,
-            EndPair(a, b, 2 * math.pi - angle, mirror, -side, swap, on_sheet, halves),
-        ):
+        for one in (pair, EndPair(a, b, 2 * math.pi - angle, mirror, -side, swap, on_sheet, there)):
             before, past = second_arrivals(torus, one, least, rules, rows)
             for way in (
                 near_side(torus, one, rules, rows),
@@ -666,7 +641,7 @@ def find_rivals(torus, ends, rules, rows, answers):
 
 
 def write(answers, row, i, torus, pair, way):
-    """Write down a way between a pair of ends of a torus, in column i of answers from a row on."""
+    """Fill in a way between a pair of ends of a torus: column i of answers, six rows from `row`."""
     first, last, c = azimuths(pair, way)
     answers[row][i] = way.length
     answers[row + 1][i] = first
@@ -676,33 +651,52 @@ def write(answers, row, i, torus, pair, way):
     answers[row + 5][i] = certificate(torus, pair, way.kind)
 
 
-def _answers(work, size, ends, rows, seconds):
-    """Return what a loop over pairs answers, (rows, n), of `turn_and_ends` (n, 3)."""
-    kind = "geodesics" if work is find else "rival geodesics"
+def _answers(work, kind, classes, seconds, torus, p, q):
+    """Return what a loop over pairs answers for ends p and q (..., 2): (classes, 6, n), in m.
+
+    Parameters
+    ----------
+    work : function
+        The loop.
+    kind : str
+        Of its work, for `compiled`.
+    classes : int
+        How many ways it finds for a pair.
+    seconds : float
+        How long it takes for a pair in plain Python.
+    torus, p, q
+        As of `geodesic_inverse`.
+    """
+    check_ratio(torus)
+    # In a unit near R products of sizes stay within the floats; a power of two rounds nothing.
+    unit = math.ldexp(1.0, math.frexp(torus.R)[1] - 1)
+    size = Radii(float(torus.r / unit), float(torus.R / unit))
+    ends = turn_and_ends(p, q)
     compiled.expect(seconds * len(ends), kind)
     ready = compiled.ready(kind)
-    form = padded if ready else listed
-    counts = NODES_OF_WORKING_SHEET, NODES_OF_RING if size.r > size.R else NODES, NODES
-    rules = tuple((form(count), count // 2) for count in counts)
-    answers = np.empty((rows, len(ends)))
+    rules = quadratures(size.r > size.R, ready)
+    answers = np.empty((6 * classes, len(ends)))
 
     def fill(block):
-        some = np.empty((rows, len(ends[block])))
+        some = np.empty((6 * classes, len(ends[block])))
         if ready:
-            room = np.empty((3, NODES // 2))
+            room = np.empty((3, rules[2][1]))
             parts = {**NUMBERS, "ratio": divided}
             compiled.call(work, size, ends[block], rules, room, some, **parts)
         else:
-            room = [[0.0] * (NODES // 2) for _ in range(3)]
+            room = [[0.0] * (rules[2][1]) for _ in range(3)]
             try:
                 compiled.call_plain(work, size, ends[block], rules, room, some, **PLAIN)
             except (ZeroDivisionError, ValueError):
-                # A product of numbers below 1e-150 is divided by, or a root is taken of what
-                # rounding left below zero. Numpy's numbers go on with infinity or NaN.
+                # A product of numbers below 1e-150 became zero and is divided by, or rounding left
+                # less than zero under a root. Numpy's numbers go on with infinity or NaN.
                 careful = Radii(*map(np.float64, size)), list(map(list, ends[block]))
                 with np.errstate(all="ignore"):
                     compiled.call_plain(work, *careful, rules, room, some, **IEEE)
         answers[:, block] = some
 
     compiled.each_block(fill, len(ends), BLOCK if ready else PLAIN_BLOCK, kind)
+    answers = answers.reshape(classes, 6, -1)
+    answers[:, 0] *= unit
+    answers[:, 3] *= unit
     return answers

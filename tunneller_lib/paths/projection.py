@@ -12,6 +12,7 @@ from ..kernels.exact import norm
 from ..surfaces import Torus
 from ..surfaces.torus import torus_angles, torus_point
 from .bounds import Count, check_on_sheet, check_points
+from .chord_law import normals
 from .quadrature import panels
 
 
@@ -36,22 +37,22 @@ def project_chord(
         Number of points, both ends included, from 2 to a million, and at most 5 million of all
         paths together.
     spacing : {"chord", "tangent", "arc"}
-        Equal steps along the chord, as the document does; equal steps of angle as seen from the
-        centre of a sphere through P and Q with the normals' half-angle b, which needs two
-        tangents; or equal arcs of the path itself.
+        Equal steps along the chord, as in the document; equal angles as seen from the centre of a
+        sphere that has the normals' angle 2b between P and Q, which takes two tangents; or equal
+        arcs of the path itself.
 
     Returns
     -------
     path : (..., n, 2) float
         Joint positions (theta, phi) of the feet of M(t), in rad. They are on the working sheet
-        where those of `Torus.foot` are: a chord that passes near the axis has some beyond it.
+        where `Torus.foot` says so: a chord that passes near the axis has some beyond it.
 
     Raises
     ------
     ValueError
         If n is below 2 or asks for too many points, `spacing` is another word, or a position isn't
         (theta, phi) or isn't on the working sheet, r + R cos(phi) >= 0. With equal arcs also where
-        the length can't be told, see `path_length`.
+        `path_length` refuses the path.
 
     Notes
     -----
@@ -74,8 +75,10 @@ def project_chord(
     if spacing == "chord":
         t = u
     elif spacing == "tangent":
-        # Where both normals are the same, as of a chord without length, equal steps are the limit.
-        b = _half_angle(torus, p, q)[..., None]
+        # Half the angle between the normals at the ends, by the sum and the difference of unit
+        # vectors, which keeps its digits for any angle. At zero equal steps are the limit.
+        first, last = normals(p), normals(q)
+        b = np.arctan2(norm(last - first), norm(last + first))[..., None]
         tan = np.where(b > 0, np.tan(b), 1)
         t = np.where(b > 0, (1 + np.tan(b * (2 * u - 1)) / tan) / 2, u)
     else:
@@ -84,7 +87,7 @@ def project_chord(
 
 
 def chord_points(torus, p, q, t):
-    """Return the points M (..., n, 3) on chords of a torus from p to q, at shares t (.., n)."""
+    """Return the points M (..., n, 3) on chords of a torus from p to q, at shares t (..., n)."""
     start, stop = (torus_point(torus, *np.moveaxis(end, -1, 0)) for end in (p, q))
     return start[..., None, :] + t[..., None] * (stop - start)[..., None, :]
 
@@ -99,13 +102,6 @@ def projected(torus, p, q, t):
     return feet(torus, chord_points(torus, p, q, t))
 
 
-def _half_angle(torus, p, q):
-    """Return half the angle between the normals at the ends."""
-    first = torus.normal(p[..., 0], p[..., 1])
-    last = torus.normal(q[..., 0], q[..., 1])
-    return np.arctan2(norm(last - first), norm(last + first))
-
-
 def _equal_arcs(torus, p, q, u):
     """Return t (..., n) at which the path has run the shares u of its length.
 
@@ -114,7 +110,7 @@ def _equal_arcs(torus, p, q, u):
     """
     p, q = np.broadcast_arrays(p, q)
     found = panels(torus, partial(projected, torus), p.reshape(-1, 2), q.reshape(-1, 2))
-    total, run = np.zeros((2, math.prod(p.shape[:-1])))  # and run so far
+    total, run = np.zeros((2, math.prod(p.shape[:-1])))  # `run`: up to the panel at hand
     for panel in found:
         total[panel.rows] += 2 * panel.series[0]
     wanted = total[:, None] * u
@@ -122,15 +118,20 @@ def _equal_arcs(torus, p, q, u):
     for rows, low, high, series, _ in found:
         left = wanted[rows] - run[rows, None]
         x = _where_run(series, np.clip(left, 0, 2 * series[0][:, None]))
-        # A later panel takes over where the path runs on into it.
+        # Panels come in order: a place beyond this one is overwritten by a later one.
         t[rows] = np.where(left >= 0, low + (high - low) * (1 + x) / 2, t[rows])
         run[rows] += 2 * series[0]
     return t.reshape(*p.shape[:-1], len(u))
 
 
 def _where_run(series, run):
-    """Return x (k, n), from -1 to 1, up to which speeds with a series (ORDER, k) run so far."""
+    """Return x (k, n), from -1 to 1, up to which paths run so far on a panel.
+
+    Their speeds have the `series` (ORDER, k), and `run` (k, n) is how far.
+    """
     arc = legendre.legint(series, lbnd=-1)
+    # The first guess is the place at an even speed.
+    # The integral over a panel is twice the first Legendre term, the mean.
     whole = 2 * series[0][:, None]
     x = 2 * run / np.where(whole > 0, whole, 1) - 1
     low, high = np.full(run.shape, -1.0), np.full(run.shape, 1.0)
@@ -138,12 +139,15 @@ def _where_run(series, run):
         left = run - _series(x, arc)
         if np.all(np.abs(left) <= 1e-15 * whole):
             break
+        # The arc only grows with x: what is left of it says on which side the root lies.
         low, high = np.where(left > 0, x, low), np.where(left < 0, x, high)
         speed = _series(x, series)
+        # Newton's step where it stays in the bracket, else the bracket's middle.
         newton = x + left / np.where(speed > 0, speed, 1)
         x = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
     return x
 
 
 def _series(x, coefficients):
+    """Return Legendre series at x (k, n), one of (ORDER, k) for each row."""
     return legendre.legval(x, coefficients[..., None], tensor=False)

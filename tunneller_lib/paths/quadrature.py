@@ -1,4 +1,4 @@
-"""Gauss and Legendre's quadrature, and paths in panels on which it tells their length."""
+"""Gauss and Legendre's quadrature, and the lengths of paths by it, panel by panel."""
 
 from functools import cache
 from typing import NamedTuple
@@ -10,17 +10,17 @@ from ..kernels.exact import in_blocks, norm
 
 ORDER = 48  # nodes on a panel
 BLOCK = 1024  # paths measured at once, whose nodes fit the cache
-RESOLVED = 1e-10  # of the straight way: what a panel may leave untold
-ROUNDING = 1e-14  # of r + R, times the angles: what their roundings make of a length
-GAPS = 10  # times that all gaps between the panels of a path may be
-HALVINGS = 30  # of a panel, after which a path jumps for all that its points tell
+RESOLVED = 1e-10  # of the straight way: the error that a panel may have
+ROUNDING = 1e-14  # of r + R, for each rad of the angles: the error of a length by their roundings
+GAPS = 10  # times a panel's error: what the gaps between all panels of a path may come to
+HALVINGS = 30  # of a panel, after which a path counts as one that jumps
 
 
 @cache
 def gauss_rule(count):
     """Return so many nodes (count,), from -1 to 1, and their weights; neither may be written to.
 
-    They come from an eigenvalue problem, which takes longer than most sums over them.
+    They are kept, for they come from an eigenvalue problem, which takes longer than most sums.
     """
     rule = legendre.leggauss(count)
     for row in rule:
@@ -41,7 +41,7 @@ class Panel(NamedTuple):
         The Legendre series of the speed in x, from -1 to 1. Its first term is the mean speed, and
         half the length.
     ends : (2, k, 3) float
-        The first and the last point, in m, as the nodes between tell them.
+        The first and the last point, in m, by the polynomials through the nodes.
     """
 
     rows: np.ndarray
@@ -51,45 +51,45 @@ class Panel(NamedTuple):
     ends: np.ndarray
 
     def pick(self, kept):
-        """Return the panel of those paths (k,) bool that are kept."""
+        """Return the panel of those paths only that are `kept`, (k,) bool."""
         return Panel(self.rows[kept], *self[1:3], self.series[:, kept], self.ends[:, kept])
 
 
 def panels(torus, way, p, q):
-    """Return panels that make up paths on a torus, those of one path from p to q.
+    """Return panels that make up paths on a torus, for each path from p to q in order.
 
     Parameters
     ----------
     torus : Torus
         The surface.
     way : callable
-        Of p, q and shares t (n,) of the way, to joint positions (k, n, 2).
+        Returns the joint positions (k, n, 2) for p, q and shares t (n,) of the way.
     p, q : (k, 2) float
         Joint positions of the ends, in rad.
 
     Returns
     -------
     panels : list of Panel
-        Together they tell each length to 1e-9 of itself, or to what rounding makes of angles:
-        1e-13 (r + R) up to a turn.
+        Together they give each length to 1e-9 of itself, or to what the roundings of angles make of
+        it: 1e-13 (r + R) for angles up to a turn.
 
     Raises
     ------
     ValueError
-        If a path doesn't run from p to q without a jump, for all that its points tell.
+        If by its points a path jumps, or doesn't lead from p to q.
 
     Notes
     -----
-    On a panel the angles are polynomials through ORDER nodes. They hide nothing: a swing between
-    two nodes is a step of the angles, where a spike of the speed could fall through. A panel will
-    do where the last terms of the speed's series are small, or where its halves are as long as it
-    is: that also is so where rounding spoils the terms. Others are halved. A path may not jump
-    where two panels meet, as where a chord crosses the axis right there.
+    On a panel the angles are polynomials through ORDER nodes. These can't miss anything: a swing
+    between two nodes leaves a step of the angles, while a spike of the speed alone could fall
+    between two nodes. A panel is good enough where the last terms of the speed's series are small,
+    or where its halves together are as long as it is, as also happens where rounding spoils the
+    terms. Other panels are halved. A path that jumps just where two panels meet, as where a chord
+    crosses the axis there, is found by the gap between them.
     """
     first, last = (torus.point(*np.moveaxis(end, -1, 0)) for end in (p, q))
     turned = np.maximum(1, np.abs(way(p, q, np.array([0.0, 1.0]))).max(axis=(1, 2)))
-    rounding = ROUNDING * (torus.r + torus.R) * turned
-    within = RESOLVED * norm(last - first) + rounding
+    within = RESOLVED * norm(last - first) + ROUNDING * (torus.r + torus.R) * turned
 
     def measured(rows, low, high):
         t, _, _, _, _ = _rules()
@@ -97,11 +97,13 @@ def panels(torus, way, p, q):
         return Panel(rows, low, high, *_speed_and_ends(torus, joint))
 
     def off_ends(panel):
-        """Return by how much a panel misses p or q, at which it may end."""
+        """Return by how much a panel misses p or q, where it begins or ends there."""
         before = norm(panel.ends[0] - first[panel.rows]) if panel.low == 0 else 0.0
         return before + (norm(panel.ends[1] - last[panel.rows]) if panel.high == 1 else 0.0)
 
     def settled(panel, halvings):
+        """Yield the panel, or what it is halved into, until all parts are good enough."""
+        # The ends count, too: a path may begin or end elsewhere than at p and q.
         tail = np.max(np.abs(panel.series[-4:]), axis=0)
         enough = tail + off_ends(panel) <= within[panel.rows]
         yield panel if enough.all() else panel.pick(enough)
@@ -110,6 +112,7 @@ def panels(torus, way, p, q):
             return
         if halvings == 0:
             raise _jump(p, q, panel.rows[0], panel.low)
+        # Where both halves together have the length of the whole, nothing was missed.
         middle = (panel.low + panel.high) / 2
         halves = measured(panel.rows, panel.low, middle), measured(panel.rows, middle, panel.high)
         change = np.abs(halves[0].series[0] + halves[1].series[0] - panel.series[0])
@@ -121,7 +124,7 @@ def panels(torus, way, p, q):
 
     every = settled(measured(np.arange(len(p)), 0.0, 1.0), HALVINGS)
     found = [panel for panel in every if panel.rows.size]
-    # What all joints of a path, its ends included, leave open counts together.
+    # The gaps between the panels of a path, and at its ends, count together.
     reached, gaps = first.copy(), np.zeros(len(p))
     for rows, low, _, _, (start, stop) in found:
         gaps[rows] += norm(start - reached[rows])
@@ -134,7 +137,7 @@ def panels(torus, way, p, q):
 def path_lengths(torus, way, p, q):
     """Return the lengths (...), in m, of paths on a torus from p to q (..., 2), by their way.
 
-    They are as true as `panels`, and refused as there.
+    They are as exact as `panels` says, and it refuses the same paths.
     """
 
     def of_block(ends):
@@ -149,12 +152,13 @@ def path_lengths(torus, way, p, q):
 
 
 def _check_joined(p, q, rows, t, gaps):
-    """Raise ValueError where gaps (k,), in what a panel may leave untold, make a jump up to t."""
+    """Raise ValueError where the gaps (k,) of paths up to t, in errors of a panel, make a jump."""
     if np.any(gaps > GAPS):
         raise _jump(p, q, rows[np.argmax(gaps)], t)
 
 
 def _jump(p, q, row, t):
+    """Return the ValueError that says that the path of a `row` of p and q jumps at t."""
     ends = " to ".join(f"({theta:g}, {phi:g})" for theta, phi in (p[row], q[row]))
     return ValueError(
         "p, q: must be ends whose path doesn't jump, as the foot of a chord does where it crosses "
@@ -163,14 +167,18 @@ def _jump(p, q, row, t):
 
 
 def _speed_and_ends(torus, joint):
-    """Return the speed's series (ORDER, k) and the ends (2, k, 3) of paths at a panel's nodes."""
+    """Return the speed's series (ORDER, k) and the ends (2, k, 3) of paths on a panel.
+
+    `joint` are the joint positions (k, ORDER, 2) at its nodes.
+    """
     _, weights, slope, basis, ends = _rules()
-    # An angle that is told within one turn, as from -pi to pi, jumps where the path doesn't.
+    # An angle that comes reduced to one turn, as from -pi to pi, jumps where the path doesn't.
     span = np.ptp(joint, axis=1, keepdims=True)
     wrapped = (np.pi < span) & (span <= 2 * np.pi)
     if np.any(wrapped):
         joint = np.where(wrapped, np.unwrap(joint, axis=1), joint)
     theta, phi = np.moveaxis(joint, -1, 0)
+    # By the metric of the torus, ds^2 = rho^2 dtheta^2 + R^2 dphi^2.
     rho = torus.r + torus.R * np.cos(phi)
     speed = np.hypot(rho * (theta @ slope.T), torus.R * (phi @ slope.T))
     series = np.moveaxis((speed * weights) @ basis, -1, 0)
@@ -181,9 +189,12 @@ def _speed_and_ends(torus, joint):
 def _rules():
     """Return what a panel needs: nodes from 0 to 1, weights, and three matrices.
 
-    They take values at the nodes to slopes there, speeds to their series, and values to both ends.
+    The first takes values at the nodes to derivatives there, the second speeds times weights to
+    the speed's series, the third values to those at both ends of the panel.
     """
     x, weights = gauss_rule(ORDER)
+    # A value at the nodes is `values` times a series of Legendre's polynomials. So what takes
+    # series to slopes, or to the ends, has to be divided by `values`.
     values = legendre.legvander(x, ORDER - 1)
     slopes = np.stack([legendre.legval(x, legendre.legder(row)) for row in np.eye(ORDER)], axis=1)
     slope = np.linalg.solve(values.T, slopes.T).T

@@ -1,56 +1,45 @@
 """Many lines against one shape, in blocks that stay in the cache.
 
-Each shape has a careful way, with twice the digits where they cancel. A round shape has a quick
-way as well, the plain formula. It is sure of lines that are given near the shape, that are neither
-nearly parallel to its axis nor nearly level with its discs, and that neither touch the shape nor
-pass it closely. Of lines between random places it leaves one of a hundred thousand to the careful
-way; of lines that a program aims at an edge it may leave them all.
+Each shape has a careful way, with twice the digits where numbers cancel. A rod has a quick way as
+well, by the plain formula. It is sure of lines whose given point is near the rod, which are neither
+nearly parallel to its axis nor nearly level with its discs, and which neither touch the rod nor
+pass it closely. Of lines between random places it leaves one in a hundred thousand to the careful
+way; of lines that a program aims at an edge it may leave all.
 
-Both ways are written once, `elementwise`: for one line they take Python's own floats, for many
-rows of x, y and z, over which numpy runs fastest. Where loops are `compiled` a loop calls them line
-by line.
+Each way is written once, by the functions of `elementwise`. For one line these take Python's own
+floats, for many lines rows of x, y and z, over which numpy runs fastest. Where loops are
+`compiled`, one calls the same way line by line.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ..kernels import compiled, line_loops
-from ..kernels.elementwise import larger, ratio, smaller, square_root, where
-from ..kernels.vectors import differences, scalar_products, vector_products
+from ..kernels.vectors import differences
 
 BLOCK = 16384  # lines treated at once
-COMPILED = 65536  # the same by a compiled loop, for which only calls count
-CLOSE = 1e-6  # of the shape: so near to a touch the careful way decides
-RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
-MISSED = np.inf, -np.inf, True  # what the quick way says of one line beside a shape
-FAR = 6.0  # sizes from the shape, up to which the quick way's roundings are within the promise
-# About how long lines take at most without a compiler, in s: one alone, and each of many.
+COMPILED = 65536  # the same by a compiled loop, which has no arrays in between, only calls
+# About the longest that lines take without a compiler, in s: one alone, and each of many.
 PLAIN_CALL, PLAIN_LINE = 1e-5, 4e-7
 
 
-def undecided(shape, q, u):
-    """Return that nothing is sure: the quick way of a shape that has only a careful one."""
-    return np.inf, -np.inf, False
-
-
-def meet_in_blocks(careful, shape, point, direction, *, quick=undecided, plain=False):
+def meet_in_blocks(careful, shape, point, direction, *, quick=line_loops.quick, plain=False):
     """Return where lines enter and leave one shape.
 
     Parameters
     ----------
     careful : function
-        Of the shape, of points and directions as `vectors`; returns `enter` and `leave`.
+        Returns `enter` and `leave` for the shape, and for points and directions as `vectors`.
     shape : NamedTuple
-        Numbers and vectors of the shape; its `start`, in m, is one of its points.
+        Numbers and vectors of the shape; `start`, in m, is one of the shape's points.
     point, direction : (..., 3) float
         Points of the lines, in m, and their directions.
     quick : function, optional
-        Of the shape, of points counted from its start, in m, and of directions; returns `enter`,
-        `leave` and where they are `sure`.
+        Returns `enter`, `leave` and where they are `sure`, for the shape, for points counted from
+        its start, in m, and for directions.
     plain : bool
-        Whether the quick way may decide, see `well_shaped`.
+        Whether the quick way may decide for this shape.
 
     Returns
     -------
@@ -75,16 +64,17 @@ def meet_in_blocks(careful, shape, point, direction, *, quick=undecided, plain=F
         meet = _meet_compiled if ready else _meet_rows
         rows = _rows(point, lines), _rows(direction, lines), found.reshape(2, -1)
         meet(quick, careful, shape, plain, *rows)
-    # Adding 0.0 turns -0.0 into 0.0: of two zeros Python's `max` and numpy's keep different ones.
+    # Adding 0.0 turns -0.0 into 0.0: of two zeros Python's `max` and numpy's choose differently.
     found += 0.0
     return found[0], found[1]
 
 
 def _rows(vectors, lines):
-    """Return vectors as rows (n, 3) of so many lines, or as one row for all."""
+    """Return vectors as rows (n, 3), one for each of the `lines`, or as one row for all of them."""
     if vectors.size == 3:
         return vectors.reshape(1, 3)
-    if vectors.shape[:-1] != lines:  # else read-only: to a compiler a type of its own
+    # An array that is broadcast is read-only, to a compiler a type of its own.
+    if vectors.shape[:-1] != lines:
         vectors = np.broadcast_to(vectors, (*lines, 3))
     return vectors.reshape(-1, 3)
 
@@ -103,7 +93,7 @@ def _meet_compiled(quick, careful, shape, plain, points, directions, ends):
 
 
 def _meet_rows(quick, careful, shape, plain, points, directions, ends):
-    """Fill in what `_meet_compiled` does, by numpy on whole rows."""
+    """Fill in what `_meet_compiled` does, by numpy on many lines at once."""
     points = np.broadcast_to(points, (ends.shape[1], 3))
     start = np.array(shape.start)[:, None]
     one = directions[0].tolist() if len(directions) == 1 else None
@@ -121,118 +111,3 @@ def _meet_rows(quick, careful, shape, plain, points, directions, ends):
                 some = u if one else u[:, rest]
                 enter[rest], leave[rest] = careful(shape, p[rest].T.copy(), some)
             ends[:, block] = enter, leave
-
-
-def well_shaped(*sizes):
-    """Return whether a shape's sizes, in m, let the quick way decide: no needle, no wafer."""
-    least, most = min(sizes), max(sizes)
-    return least > CLOSE * most and least > 1 / RANGE and most < RANGE
-
-
-class Passing(NamedTuple):
-    """Lines q + t u that pass an axis v; q is counted from the axis' start, in m.
-
-    Parameters
-    ----------
-    n : vectors
-        The products u x v.
-    nn, aside, uu, vv : (...) float
-        The products n n, q n, u u and v v.
-    size : (...) float
-        q^2 u^2 v^2.
-    beside : (...) bool
-        Which pass beside the endless wall, by more than rounding makes of it: sure misses.
-    """
-
-    n: tuple
-    nn: np.ndarray
-    aside: np.ndarray
-    uu: np.ndarray
-    vv: float
-    size: np.ndarray
-    beside: np.ndarray
-
-
-def past_an_axis(shape, q, u):
-    """Return lines as `Passing` the axis of a shape.
-
-    Parameters
-    ----------
-    shape : NamedTuple
-        Its `axis` goes on from its `start`, and `radius` is its widest, in m.
-    q, u : vectors
-        The lines' points from the start, in m, and their directions.
-    """
-    n = vector_products(u, shape.axis)
-    nn, aside = scalar_products(n, n), scalar_products(q, n)
-    uu, vv = scalar_products(u, u), scalar_products(shape.axis, shape.axis)
-    size = scalar_products(q, q) * (uu * vv)
-    # The second term bounds the square of what six roundings make of q n.
-    wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn + 1e-23 * size
-    return Passing(n, nn, aside, uu, vv, size, aside * aside > wide)
-
-
-class Nearest(NamedTuple):
-    """Lines where they are nearest to an axis v.
-
-    Parameters
-    ----------
-    nn, aside, uu, vv, qv, uv : (...) float
-        The products n n, q n, u u, v v, q v and u v.
-    middle : (...) float
-        The line's parameter there.
-    room : (...) float
-        Radius^2 less the squared distance, times n n.
-    half : (...) float
-        The parameter from the middle to the endless wall.
-    sound : (...) bool
-        Where the line passes near enough, and is no tangent, for the quick way.
-    """
-
-    nn: np.ndarray
-    aside: np.ndarray
-    uu: np.ndarray
-    vv: np.ndarray
-    qv: np.ndarray
-    uv: np.ndarray
-    middle: np.ndarray
-    room: np.ndarray
-    half: np.ndarray
-    sound: np.ndarray
-
-
-def nearest_to_axis(shape, q, u, passing):
-    """Return where lines are `Nearest` to the axis of a shape.
-
-    Parameters: shape, q and u as of `past_an_axis`, and passing, which that returns.
-    """
-    v = shape.axis
-    radius = shape.radius
-    n, nn, aside, uu, vv, size, _ = passing
-    qv, uv = scalar_products(q, v), scalar_products(u, v)
-    middle = ratio(-scalar_products(vector_products(q, v), n), nn)
-    room = radius * radius * nn - aside * aside
-    half = ratio(square_root(room * vv), nn)
-    # Where the line's given point is near and its angle to the axis not small, and no tangent.
-    enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
-    enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
-    sound = enough & (room > CLOSE * radius * radius * nn)
-    return Nearest(nn, aside, uu, vv, qv, uv, middle, room, half, sound)
-
-
-def unless_beside(beside, enter, leave, sure):
-    """Return `enter`, `leave` and where they are `sure`; lines `beside` a shape miss for sure."""
-    hit = where(beside, False, enter <= leave)
-    return where(hit, enter, np.inf), where(hit, leave, -np.inf), sure | beside
-
-
-def share_of_axis(lines):
-    """Return which share of the axis, from its start, is nearest to lines."""
-    return (lines.qv + lines.uv * lines.middle) / lines.vv
-
-
-def between_planes(lines):
-    """Return where lines enter and leave the slab between an axis' ends, and where it's sure."""
-    at_start, at_end = ratio(-lines.qv, lines.uv), ratio(lines.vv - lines.qv, lines.uv)
-    steep = lines.uv * lines.uv > CLOSE * CLOSE * lines.uu * lines.vv
-    return smaller(at_start, at_end), larger(at_start, at_end), steep

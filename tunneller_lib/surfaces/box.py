@@ -1,4 +1,4 @@
-"""A box in any pose against lines."""
+"""A box in any pose, and where lines meet it."""
 
 import functools
 import math
@@ -25,7 +25,7 @@ from .blocks import meet_in_blocks
 from .rod_interval import GUARD, nearest_offset
 from .solid import Solid
 
-SQUARE = 64 * np.finfo(float).eps  # cosines of edges that are perpendicular but for rounding
+SQUARE = 64 * np.finfo(float).eps  # the greatest cosine of edges perpendicular but for rounding
 
 
 class _Numbers(NamedTuple):
@@ -41,7 +41,7 @@ def _carefully(shape, p, u):
     """Return `enter` and `leave` of lines against a box."""
     along, speed = unit_and_speed(u)
     q, shift = nearest_offset(shape.start, along, speed, p, u)
-    # Across each pair of faces: where the line is, from the middle, and how fast it goes.
+    # Across each pair of faces: where the line is, counted from the middle, and how fast it goes.
     at = differences(products_with_each(shape.normals, q), shape.half)
     pace = products_with_each(shape.normals, along)
     hit, enter, leave = box_interval(shape.half, shape.size, at, pace)
@@ -50,17 +50,17 @@ def _carefully(shape, p, u):
 
 
 def box_interval(half, size, at, pace):
-    """Return where lines are inside boxes, along the lines from their given points.
+    """Return where lines are inside boxes, in m along the lines from their given points.
 
     Parameters
     ----------
     half : vectors
         Half widths, in m.
     size : (...) float
-        Of the boxes, in m, by which the guard counts.
+        Of the boxes, in m; the guard is in proportion to it.
     at, pace : vectors
-        Places of the points across the faces, from the middle, in m, and how these grow along
-        the lines.
+        The points' places across the faces, counted from the middle, in m, and how fast they grow
+        along the lines.
 
     Returns
     -------
@@ -73,16 +73,16 @@ def box_interval(half, size, at, pace):
     x = _across(guard, half[0], size, at[0], pace[0])
     y = _across(guard, half[1], size, at[1], pace[1])
     z = _across(guard, half[2], size, at[2], pace[2])
-    # By how much the faces must move outwards until the line meets both of two slabs at once:
-    # seen along the line, its distance from a side of the box's shadow.
+    # By how much the faces must move outwards until the line is in two slabs at once: seen along
+    # the line, its distance from a side of the box's shadow.
     short = larger(larger(_short(x, y), _short(y, z)), _short(z, x))
-    # A touch is one of the box that is just so much larger.
+    # A line that passes within the guard is taken to meet the box that is larger by just so much.
     more = larger(short, 0.0)
     x, y, z = _slab(x, more), _slab(y, more), _slab(z, more)
     enter = larger(larger(x[1], y[1]), z[1])
     leave = smaller(smaller(x[2], y[2]), z[2])
-    # Rounding may part its two ends: then the point of the slabs, last that of the steepest faces,
-    # which place it best.
+    # At a touch rounding may put `leave` before `enter`. Then one point is returned, which is moved
+    # into each slab: into that of the steepest faces last, for they place it best.
     touch = enter
     for _, first, last in _by_pace(x, y, z):
         touch = within(touch, first, last)
@@ -91,12 +91,12 @@ def box_interval(half, size, at, pace):
 
 
 def _across(guard, half, size, at, pace):
-    """Return half the width between two faces, and place and pace of lines towards the second.
+    """Return half the width between two faces, and the place and pace of lines across them.
 
-    A line that runs level with them, within the guard over the whole box, has no pace: it stays
-    between.
+    A line so level with the faces that it moves across by less than the guard along the whole box
+    gets no pace: it stays between them, or outside.
     """
-    # Mirrored where the line comes from the other side, so that it always goes upwards.
+    # Lines that go down are mirrored, so that all lines go up.
     at, pace = where(pace < 0, -at, at), abs(pace)
     return half, at, where(pace * size <= guard, 0.0, pace)
 
@@ -105,14 +105,18 @@ def _short(one, other):
     """Return how far lines pass beside the corners between two pairs of faces."""
     half, at, pace = one
     other_half, other_at, other_pace = other
-    # Seen along the line both slabs are strips; the gap between them counts per unit of both paces.
+    # Along the line the slabs are two intervals. The gap between these, times both paces, falls by
+    # the sum of the paces for each unit by which all faces move outwards.
     both = pace + other_pace
     gap = abs(at * other_pace - other_at * pace) - half * other_pace - other_half * pace
     return where(both > 0, ratio(gap, both), -np.inf)
 
 
 def _slab(across, more):
-    """Return the pace of lines across two faces moved apart, and where they are between these."""
+    """Return the pace of lines across two faces, and where they are between them.
+
+    The faces are moved outwards by `more`.
+    """
     half, at, pace = across
     half = half + more
     level = pace == 0
@@ -129,6 +133,7 @@ def _by_pace(one, other, third):
 
 
 def _in_order(one, other):
+    """Return two slabs by ascending pace."""
     swap = one[0] > other[0]
     return either(swap, other, one), either(swap, one, other)
 
@@ -164,7 +169,7 @@ class Box(Solid):
             sizes("x, y, z", length)
             if not length > 0:
                 raise ValueError("x, y, z: must not be zero; got an edge that is.")
-        # The parallelepiped of edges that lean would have faces elsewhere than its normals say.
+        # With edges that lean the faces would lie elsewhere than the normals, made of edges, say.
         units = [unit_and_speed(edge)[0] for edge in edges]
         cosine = max(abs(scalar_products(units[i - 1], units[i])) for i in range(3))
         if cosine > SQUARE:
@@ -174,18 +179,19 @@ class Box(Solid):
 
     @functools.cached_property
     def _numbers(self):
-        """Return the box in numbers, made once: it often meets many lines one by one."""
-        # Near 1, so that products of three edges stay in range at any size of the box.
+        """Return the box in numbers, made once, for a box often meets many lines one by one."""
+        # Near 1, products of three edges are in range whatever the size of the box.
         edges = [near_one(edge) for edge in (self.x, self.y, self.z)]
         normals = []
         wide = []
         for i in range(3):
             edge, power = edges[i]
-            # Edges are perpendicular but for rounding: the faces' normals come from the other two.
+            # The normal is the product of the two edges that lie in the face; the third edge is
+            # perpendicular to it only but for rounding.
             normal = accurate_products(edges[i - 2][0], edges[i - 1][0])
             normal = shares(normal, lengths(normal))
             width = scalar_products(normal, edge)
-            # Outwards from the corner, whichever hand the edges are of.
+            # It points away from the corner, whether the edges are right- or left-handed.
             normals.append(multiples(math.copysign(1.0, width), normal))
             wide.append(scaled(abs(width), power))
         return _Numbers(self.corner, tuple(normals), shares(wide, 2), lengths(wide))
@@ -205,7 +211,7 @@ class Box(Solid):
     def capsule(self):
         """Return the middle (3,), twice, and the radius of a ball about the box, in m."""
         half = np.add(np.add(self.x, self.y), self.z) / 2
-        # A little more than half of the diagonal, for its edges are square but for rounding.
+        # A little more than half of the diagonal, for the edges are square only but for rounding.
         return self.corner + half, self.corner + half, float(norm(half)) * (1 + 1e-9)
 
     @checked
@@ -224,11 +230,11 @@ class Box(Solid):
 
         Notes
         -----
-        A line meets the box where it's between three pairs of planes at once. Whether it does is
-        decided by how far the faces would have to move, with one guard, so that a line through
-        an edge or a corner isn't lost. The answer is that of a box whose faces are off by at most
-        64 eps of its diagonal. Along the line each end may be off by another 16 eps, of the
-        diagonal or of the greater distance of the ends from the given point. All this holds while
+        A line meets the box where it is between three pairs of planes at once. Whether it ever is,
+        is decided by how far the faces would have to move for that, against one guard, so that a
+        line through an edge or a corner isn't lost. The answer is that of a box whose faces are off
+        by at most 64 eps of its diagonal. Along the line each end may be off by another 16 eps, of
+        the diagonal or of the ends' greater distance from the given point. All this holds while
         that point is at most 1e15 diagonals away.
 
         Examples

@@ -39,6 +39,7 @@ class Cone:
     def implicit(self, point: Points):
         """Return the left side of Eq. 13, x^2 + y^2 - k z^2, at points (..., 3), in m^2."""
         x, y, z = np.moveaxis(point, -1, 0)
+        # As a difference of lengths the left side has digits near the cone; squares would cancel.
         radius = np.hypot(x, y)
         reach = np.tan(self.half_angle) * np.abs(z)
         return (radius - reach) * (radius + reach)
@@ -50,7 +51,7 @@ class Cone:
         Parameters
         ----------
         distance : (...) float
-            Distance from the apex along the ruling, in m; a negative one is on the nappe above.
+            Distance from the apex along the ruling, in m; below zero it leads to the nappe above.
         azimuth : (...) float
             Angle about the axis, in rad.
 
@@ -76,13 +77,13 @@ class Cone:
         Returns
         -------
         feet : (..., 2, 3) float
-            Points N, in m, the nearer one first: on M's side of the axis, then opposite. On the
-            axis M's side is azimuth 0; on the plane z = 0, where both are equally far, the
-            first lies on the nappe below.
+            Points N, in m. The nearer one comes first, on M's side of the axis; the other one is
+            opposite. On the axis, M's side is that of azimuth 0; on the plane z = 0, where both
+            nappes are equally far, the nappe below is taken.
 
         Notes
         -----
-        Projections on the two rulings of M's meridian plane; their n1 are the roots of the
+        They are projections on the two rulings of M's meridian plane. Their n1 are the roots of the
         document's quadratic Eq. 16, which has no answer at m1 = 0.
 
         Examples
@@ -119,8 +120,9 @@ class Cone:
         Returns
         -------
         plane : (..., 2) float
-            In m, the apex in the origin, azimuth 0 along the first axis; lengths and angles on
-            the surface are kept.
+            In m, with the apex in the origin and azimuth 0 along the first axis. Lengths and angles
+            on the surface are kept.
         """
+        # A parallel at the distance d is 2 pi d sin(half_angle) long, and becomes as long an arc.
         angle = azimuth * np.sin(self.half_angle)
         return np.stack(np.broadcast_arrays(distance * np.cos(angle), distance * np.sin(angle)), -1)

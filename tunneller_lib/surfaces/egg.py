@@ -42,7 +42,7 @@ class Egg(Section):
 
     @property
     def arcs(self):
-        """Return the four arcs: roof, right wall, invert, left wall."""
+        """Return the four arcs: roof, right wall, invert and left wall."""
         return self.offset(0).arcs
 
     @checked
@@ -57,8 +57,8 @@ class Egg(Section):
         Returns
         -------
         profile : Profile
-            Arcs with the same centres and radii less by d. From d = a/2 on the invert's arc is
-            gone and the walls meet in a corner at (0, -sqrt((3a - d)^2 - 4a^2)). To offset
+            Arcs with the same centres and with radii less by d. From d = a/2 on the invert's arc is
+            gone, and the walls meet in a corner at (0, -sqrt((3a - d)^2 - 4a^2)). To offset it
             further, offset the egg by the sum.
 
         Raises

@@ -1,4 +1,4 @@
-"""A truncated cone against lines, an extension that Line and finite cylinder foresees."""
+"""A truncated cone, and where lines meet it; Line and finite cylinder foresees this extension."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -22,7 +22,7 @@ class Frustum(Solid):
     a, b : (3,) float
         Centres of the discs, in m; where they are the same the frustum is empty.
     radius_a, radius_b : float
-        Of the discs, in m; one may be zero, for a whole cone.
+        Of the discs, in m; one may be zero, which makes a whole cone.
 
     Raises
     ------
@@ -65,13 +65,13 @@ class Frustum(Solid):
 
         Notes
         -----
-        How far a point is inside the cone's wall is a concave function along the line. Its
-        greatest between the discs decides once whether the line meets the frustum, so that there
-        is no crack at a rim or at the tip; the roots only say where. The answer is that of a
-        frustum whose surface is off by at most 64 eps (radius + run), of the wider disc and with
-        run the length of the axis as the line sees it, for needles and wafers alike: a line that
-        touches the frustum is never missed. `Rod.meet_line` says how exact the ends are along the
-        line and from how far away this holds.
+        The depth of a point inside the cone's wall is a concave function along the line. Its
+        greatest value between the discs alone decides whether the line meets the frustum, so that
+        there is no crack at a rim or at the tip; the roots only say where. The answer is that of a
+        frustum whose surface is off by at most 64 eps (radius + run), with the radius of the wider
+        disc and with run the length of the axis as the line sees it, for needles and wafers alike:
+        a line that touches the frustum is never missed. `Rod.meet_line` says how exact the ends are
+        along the line and from how far away this holds.
 
         Examples
         --------
@@ -95,7 +95,7 @@ class _Numbers(NamedTuple):
 def _carefully(shape, p, u):
     """Return `enter` and `leave` of lines against a frustum."""
     axis = frame(shape.start, shape.end, u)
-    # The frame begins at the end that the line passes first.
+    # The axis begins at the end that the line passes first.
     first = where(axis.turned, shape.end_radius, shape.start_radius)
     last = where(axis.turned, shape.start_radius, shape.end_radius)
     s, m, z, shift = nearest_point(axis, p, u)
@@ -104,14 +104,14 @@ def _carefully(shape, p, u):
 
 
 def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
-    """Return where lines are inside frusta: inside the rod of the wider disc, and a cone's wall.
+    """Return where lines are inside frusta: in the rod of the wider disc, and in a cone's wall.
 
     Parameters
     ----------
     run, rise, length : (...) float
         Of the axes, in m, as in `Frame`.
     first_radius, last_radius : (...) float
-        Of the discs at the axes' starts and at their other ends, in m.
+        Of the discs at the starts of the axes, and at their other ends, in m.
     s, m : (...) float
         As of `flat_interval`.
 
@@ -124,19 +124,20 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
 
     Notes
     -----
-    With slant^2 = length^2 + gain^2, c = length/slant and d = gain/slant, a point is as deep
-    inside the wall as w - c rho, where rho is its distance from the axis and w = c r + d tau that
-    of the wall, times c, at its height tau. Along the line the depth is concave. Its greatest
-    tells whether the wall is met, once, so that there is no crack at a rim or at the tip. From
-    there it falls to zero where x y = (c s)^2 with x, y = w -+ c sigma, both linear along the line.
+    Let slant^2 = length^2 + gain^2, c = length/slant and d = gain/slant. A point at the height tau
+    over the first disc and at the distance rho from the axis is w - c rho deep inside the wall,
+    where w = c r + d tau is c times the wall's own distance there. Along the line this depth is
+    concave, and its greatest value tells whether the wall is met. From there it falls to zero where
+    x y = (c s)^2 with x, y = w -+ c sigma, both of which are linear along the line; rho^2 is
+    s^2 + sigma^2.
     """
     radius = larger(first_radius, last_radius)
     guard = GUARD * (radius + run)
     gain = last_radius - first_radius
     wall = (gain != 0) & (length > guard)  # else a rod, or a disc but for less than the guard
     h, e = ratio(run, length), ratio(rise, length)  # sine and cosine between line and axis
-    # The rod is larger by the guard all round: where a line is nearly level with a disc, or
-    # nearly parallel to the axis, rounding moves the rod's ends far along it, off a touch.
+    # The rod is made larger by the guard all round. Where a line is nearly level with a disc, or
+    # nearly parallel to the axis, rounding moves the rod's ends far along it, away from a touch.
     more = where(wall, guard, 0.0)
     longer = where(wall, length + 2 * more, length)
     hit, enter, leave = flat_interval(
@@ -146,9 +147,9 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
     slant = square_root(length * length + gain * gain)
     c, d = ratio(length, slant), ratio(gain, slant)
     up, steep = c * h + abs(d) * e, abs(d) * e - c * h
-    # So nearly along a ruling that the wall is as far away all along the line.
+    # Where the line is so nearly along a ruling, the wall counts as equally far all along it.
     steep = where(abs(steep) * (radius + length) <= guard, 0.0, steep)
-    # Deepest: where the wall is as steep as the line, or at the wide end.
+    # The deepest point is where the depth has a maximum, or at the wide end if it only grows.
     turn = where(gain < 0, -1.0, 1.0)
     sigma = ratio(-d * e * abs(s), square_root(-up * steep))
     z = within(where(steep < 0, ratio(e * m - sigma, h), turn * np.inf), enter, leave)
@@ -156,35 +157,37 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
     w = c * first_radius + d * (h * m + e * z)
     rho = square_root(s * s + sigma * sigma)
     hit = hit & (where(wall, w - c * rho, 0.0) >= -2 * guard)
-    # What is met has its deepest point inside: the wall is moved out as far as it takes. Along a
-    # ruling it is moved by the guard, lest rounding say where a line leaves that passes the tip.
+    # The deepest point of a line that meets the wall must be inside it: the wall is moved outwards
+    # as far as that takes. For a line along a ruling it is moved by the guard, or else rounding
+    # would decide where such a line leaves by the tip.
     w = larger(w, c * rho + where(steep == 0, guard, 0.0))
     before, after = _to_the_wall(w, c * s, turn * c * sigma, up, steep)
     before, after = where(turn < 0, after, before), where(turn < 0, before, after)
-    # The discs' planes as they are, unless the line is level with them.
+    # The planes of the discs aren't moved. A line that is level with them stays between.
     level = rise * radius <= guard * length
     first = where(level, -np.inf, ratio(-run * m, rise))
     last = where(level, np.inf, rise + ratio(run * (run - m), rise))
-    # The deepest point belongs to what is met, on whichever side of an end rounding puts it.
+    # The deepest point is part of the answer, on whichever side of an end rounding puts it.
     inner = smaller(z, larger(larger(enter, first), z - before))
     outer = larger(z, smaller(smaller(leave, last), z + after))
     return hit, where(wall, inner, enter), where(wall, outer, leave)
 
 
 def _to_the_wall(w, aside, sigma, up, steep):
-    """Return how far it is from a point inside a wall back to the wall and on to it.
+    """Return how far it is from a point inside a wall back to the wall, and on to it.
 
-    The line goes to the wide end: from the point on, w - sigma grows by `up` (above zero) and
-    w + sigma by `steep`, which is less, and they meet the wall where their product is aside^2.
+    On the line, which leads to the wide end, x = w - sigma grows at the rate `up`, above zero, and
+    y = w + sigma at the rate `steep`, which is less. It meets the wall where x y is aside^2.
     """
     x, y = larger(w - sigma, 0.0), larger(w + sigma, 0.0)
     square = smaller(aside * aside, x * y)
     slope = ratio(steep, up)
-    # Both roots, each of that of x and y which is small there, in sums where nothing cancels.
+    # x y = square is a quadratic equation along the line. Each root comes by whichever of x and y
+    # is small there, in sums, where nothing cancels.
     half = (y - slope * x) / 2
     both = square_root(larger(half * half + slope * square, 0.0))
     small = where(half >= 0, ratio(square, half + both), ratio(both - half, slope))
     small = where((half >= 0) & (square == 0), 0.0, small)
     before = larger(ratio(x - small, up), 0.0)
-    # At least as steep as the wall the line doesn't meet it again.
+    # A line at least as steep as the wall doesn't meet it again.
     return before, where(steep < 0, larger(ratio(y + slope * small, -steep), 0.0), np.inf)

@@ -1,4 +1,4 @@
-"""The cylinders that turn a joint: lengths, displacements, stroke and oil volumes."""
+"""The hydraulic cylinders that turn a joint: lengths, displacements, strokes and oil volumes."""
 
 import math
 from dataclasses import dataclass
@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike
 from ..arguments import MOST, Angle, Length, Rule, Sign, bounded_array, checked
 from ..kernels.compiled import root, sine
 
-USUAL_R = 0.80  # m, the reference machine's arm, by which the study's sizes are given
+USUAL_R = 0.80  # m, the reference machine's arm, for which the study's sizes are given
 
 
 def _joint_angles(name, value):
-    # One angle is a float from here on: `sine` tells by that how to compute.
+    """Return joint angles as a float or an array, after checking them."""
+    # A single angle stays a float, by which `sine` tells how to compute.
     if type(value) is float and -MOST <= value <= MOST:
         return value
     return bounded_array(name, value)[()]
@@ -26,9 +27,9 @@ JointAngles = Annotated[ArrayLike, Rule("(...) float", _joint_angles, "rad")]
 def check_stroke(angle, low, high, name="angle"):
     """Raise ValueError where a joint angle isn't from `low` to `high`, all in rad.
 
-    The `name` is for the message; NaN is outside, too.
+    The `name` is for the message. NaN is outside.
     """
-    # In a simulation floats come one by one: a comparison of Python is ten times as fast.
+    # In a simulation angles come one by one, and Python compares floats ten times as fast as numpy.
     if isinstance(angle, float):
         if low <= angle <= high:
             return
@@ -46,7 +47,7 @@ def check_stroke(angle, low, high, name="angle"):
 class Cylinders(NamedTuple):
     """A `Linkage` as plain numbers, for functions that simulations call many times a tick.
 
-    The lengths at both ends of the stroke are zero where no volume is asked for.
+    Both lengths at the ends of the stroke are zero where nobody asks for volumes.
     """
 
     a: float
@@ -65,17 +66,19 @@ def triangle(cylinders, angle, sense):
     gamma = cylinders.mounting + sense * angle
     a = cylinders.a
     b = cylinders.b
-    # (a - b)^2 + 4 a b sin^2(gamma / 2) is a^2 + b^2 - 2 a b cos(gamma) without the difference
-    # that cancels where the triangle is nearly closed.
+    # By the law of cosines, with a^2 + b^2 - 2 a b cos(gamma) as (a - b)^2 + 4 a b sin^2(gamma/2):
+    # the difference would cancel where the triangle is nearly closed.
     half = sine(gamma / 2)
     length = root((a - b) * (a - b) + 4 * a * b * half * half)
+    # The arm, at which the cylinder pushes, is the derivative of the length by the joint's angle.
     return length, sense * a * b * sine(gamma) / length
 
 
 def side_flows(cylinders, angle, sense):
-    """Return how fast one cylinder's sides fill and empty, in m^3/rad, and their volumes, in m^3.
+    """Return the displacements of one cylinder's two sides, in m^3/rad, and their volumes, in m^3.
 
-    First the side that drives the joint's `angle`, in rad, towards `sense`.
+    The first of each belongs to the side that drives the joint towards positive angles. `sense` is
+    1 if the cylinder grows with the joint's `angle`, in rad, else -1.
     """
     length, arm = triangle(cylinders, angle, sense)
     arm = abs(arm)
@@ -90,12 +93,12 @@ def side_flows(cylinders, angle, sense):
 
 
 def chambers(cylinders, angle):
-    """Return displacements, in m^3/rad, and volumes, in m^3, of plus and minus side at an angle.
+    """Return displacements, in m^3/rad, and volumes, in m^3, of the plus and the minus side.
 
-    Of `Cylinders` and an `angle` in rad within the stroke; nothing is checked.
+    They are those of `cylinders` at an `angle`, in rad, within the stroke; nothing is checked.
     """
     plus, minus, plus_volume, minus_volume = side_flows(cylinders, angle, cylinders.sense)
-    if cylinders.pair:  # the mirrored cylinder drives both ways, too
+    if cylinders.pair:  # the mirrored cylinder adds a chamber to either side
         first, second, first_volume, second_volume = side_flows(cylinders, angle, -cylinders.sense)
         plus = plus + first
         minus = minus + second
@@ -114,13 +117,13 @@ class Linkage:
     a, b : float
         Distances of the cylinder's two pivots from the joint, in m.
     mounting : float
-        Angle gamma between them at joint angle 0, in rad.
+        Angle gamma between the lines to both pivots at joint angle 0, in rad.
     sense : {1, -1}
-        Whether gamma grows or shrinks as the joint angle grows.
+        Whether gamma grows (1) or shrinks (-1) as the joint angle grows.
     bore, rod : float
         Diameters, in m; the rod is thinner than the bore.
     dead_length : float
-        Length of the cylinder that isn't stroke: pistons, ends and eyes, in m.
+        Length of the cylinder that isn't stroke, such as of piston, ends and eyes, in m.
     pair : bool
         Whether a second, mirrored cylinder is cross-connected with the first.
 
@@ -132,9 +135,9 @@ class Linkage:
 
     Notes
     -----
-    The document names hydraulic axes and gives no linkage; this one is the study's assumption.
-    Joint angles are floats or arrays, in rad. The side "plus" is that of the chambers which drive
-    the joint towards positive angles, "minus" the other.
+    The document names hydraulic axes but gives no linkage; this one is the study's assumption.
+    Joint angles are floats or arrays, in rad. The plus side is that of the chambers which drive the
+    joint towards positive angles, the minus side is the other.
 
     Examples
     --------
@@ -162,7 +165,7 @@ class Linkage:
 
     @property
     def areas(self):
-        """Return the piston's areas, whole and beside the rod, in m^2."""
+        """Return the areas of the whole piston and of the ring about the rod, in m^2."""
         whole = math.pi / 4 * self.bore**2
         return whole, whole - math.pi / 4 * self.rod**2
 
@@ -180,7 +183,7 @@ class Linkage:
     def volumes(self, angle: JointAngles, low: Angle, high: Angle):
         """Return the oil volumes of the plus and the minus side, in m^3, at joint angles.
 
-        `low` and `high` are the angles at the ends of the stroke; hoses and ports are no part.
+        `low` and `high` are the angles at the ends of the stroke. Hoses and ports aren't counted.
 
         Raises
         ------
@@ -198,15 +201,16 @@ class Linkage:
         return self._numbers(min(lengths), max(lengths))
 
     def _numbers(self, shortest, longest):
+        """Return the `Cylinders` with these lengths at the ends of the stroke, in m."""
         pivots = self.a, self.b, self.mounting, float(self.sense), self.pair
         return Cylinders(*pivots, *self.areas, shortest, longest)
 
     @checked
     def check(self, low: Angle, high: Angle):
-        """Raise ValueError where joint angles from `low` to `high` ask for a stroke too long.
+        """Raise ValueError if the linkage doesn't allow joint angles from `low` to `high`.
 
-        The triangle must not close or stretch, and the shortest cylinder must hold its stroke and
-        its dead length. A pair needs limits that are as far to either side.
+        The triangle must neither close nor stretch, and the shortest length must hold the stroke
+        and the dead length. A pair needs limits equally far to either side.
         """
         gamma = sorted(self.mounting + self.sense * angle for angle in (low, high))
         if not (low < high and 0 < gamma[0] and gamma[1] < np.pi):
@@ -218,7 +222,7 @@ class Linkage:
             raise ValueError(
                 f"low: a pair needs limits as far to either side; got {low:g} rad and {high:g} rad."
             )
-        # Between the limits gamma stays within a half turn, where the length only grows with it.
+        # gamma stays between 0 and a half turn, where the length only grows with it.
         shortest, longest = sorted((self.length(low), self.length(high)))
         if longest - shortest + self.dead_length > shortest:
             raise ValueError(
@@ -229,10 +233,10 @@ class Linkage:
 
 @checked
 def usual_linkages(R: Length):
-    """Return the study's linkages of the joints theta and phi for an arm of a length `R`, in m.
+    """Return the study's linkages of the joints theta and phi for an arm of length `R`, in m.
 
-    Lengths are those of R = 0.80 m, the reference machine's, and grow with it. One cylinder lifts
-    the arm; a pair swings it. Whether a machine's joint limits suit them `Linkage.check` says.
+    Their sizes are given for the reference machine, R = 0.80 m, and grow with R. One cylinder lifts
+    the arm, and a pair swings it. `Linkage.check` says whether a machine's joint limits suit them.
 
     Examples
     --------

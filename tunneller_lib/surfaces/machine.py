@@ -1,4 +1,4 @@
-"""The tunnelling machine: sizes, joint limits, cutter, and what it can reach in a section."""
+"""The tunnelling machine: its sizes, joint limits and cutter, and what it reaches in a section."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -18,13 +18,13 @@ class Requirement(NamedTuple):
     Parameters
     ----------
     what : str
-        What is compared, in words and letters.
+        What is compared, in words and in letters.
     left : float
-        Its smaller side, in m.
+        The side that should be smaller, in m.
     strict : bool
-        Whether left < right is asked for, or left <= right.
+        Whether left < right is required, or left <= right.
     right : float
-        Its greater side, in m.
+        The side that should be greater, in m.
     """
 
     what: str
@@ -51,12 +51,12 @@ class Body:
     Parameters
     ----------
     length, width : float
-        Of the box, in m: back from the horizontal joint, and across, half on either side.
+        Of the box, in m: backwards from the horizontal joint, and across, half on either side.
     low, high : float
-        Heights of its underside and of its top over that joint, in m.
+        Heights of its underside and of its top above that joint, in m.
     holder_radius, holder_length : float
-        Of the cylinder about the arm that carries the cutter, from the cutter's centre back, in m;
-        one of them 0 for none.
+        Of the cylinder about the arm that carries the cutter, from the cutter's centre backwards,
+        in m. If either is 0 there is no holder.
 
     Raises
     ------
@@ -84,7 +84,7 @@ class Body:
 
     @property
     def holder(self):
-        """Return the holder as a `Rod` from the cutter's centre, back along the arm, -x here."""
+        """Return the holder as a `Rod` along the arm, here -x, to the cutter's centre, here 0."""
         return Rod((-self.holder_length, 0, 0), (0, 0, 0), self.holder_radius)
 
     @property
@@ -96,7 +96,7 @@ class Body:
 @dataclass(frozen=True)
 @checked
 class Machine:
-    """A two-joint machine that reams an egg-shaped section; its axes along the tunnel's.
+    """A machine with two joints that reams a section, its axes along the tunnel's.
 
     Parameters
     ----------
@@ -109,9 +109,10 @@ class Machine:
     depth : float
         Depth that it cuts behind the given wall, in m, from 0 to less than its radius.
     height : float
-        Height of the torus' centre over the centre of the section's roof, in m.
+        Height of the torus' centre above the origin of the section, an egg's centre of the roof,
+        in m.
     body : Body, optional
-        What else of it fills room; without one only arm and cutter do.
+        What else of the machine takes up room; without it only arm and cutter do.
 
     Raises
     ------
@@ -121,8 +122,8 @@ class Machine:
 
     Notes
     -----
-    Tunnelling robot, section 1.1. Joint limits as printed with their relations mended: "about
-    -40 >= phi <= 40" can only mean -40 <= phi <= 40 (degrees).
+    Tunnelling robot, section 1.1. The joint limits are as printed, with the relations mended:
+    "about -40 >= phi <= 40" can only mean -40 <= phi <= 40 (degrees).
     """
 
     r: Length
@@ -179,8 +180,8 @@ class Machine:
         Returns
         -------
         requirements : tuple of Requirement
-            Bend, width, crown and floor; each says itself, with its numbers. For the egg with the
-            roof's radius a its least radius is a/2, its box from -2a to a.
+            Bend, width, crown and floor; `str` of each is a line with its numbers. The egg with a
+            roof of radius a has the least radius a/2 and reaches in height from -2a to a.
 
         Notes
         -----
@@ -201,6 +202,7 @@ class Machine:
         d = self.offset
         reach = self.r + self.R
         (right, floor), (left, crown) = section.box
+        half = max(left, -right) - d
         # The sine's greatest value within each range of angles; past a right angle it falls again.
         swing, lift, drop = (
             np.sin(min(angle, np.pi / 2))
@@ -208,12 +210,7 @@ class Machine:
         )
         return (
             Requirement("bend, offset < least radius", d, True, section.least_radius),
-            Requirement(
-                "width, half width - offset <= R sin(phi)",
-                max(left, -right) - d,
-                False,
-                self.R * swing,
-            ),
+            Requirement("width, half width - offset <= R sin(phi)", half, False, self.R * swing),
             Requirement(
                 "crown, roof - offset - height <= (r + R) sin(-theta_min)",
                 crown - d - self.height,
@@ -230,7 +227,8 @@ class Machine:
 
     @checked
     def heights(self, section: Section):
-        """Return the lowest and the highest `height` that reach crown and floor, in m."""
+        """Return the lowest and the highest `height`, in m, that reach crown and floor."""
+        # Both inequalities are linear in the height: what is missing, or to spare, moves it.
         crown, floor = self.requirements(section)[2:]
         return self.height + crown.left - crown.right, self.height - floor.left + floor.right
 
@@ -243,10 +241,10 @@ class Machine:
         section : Section
             The tunnel's.
         aligned : bool
-            Whether the machine's axes are the tunnel's; if not, only the tightest bend is looked
-            at, because the reach depends on the pose.
+            Whether the machine's axes are parallel to the tunnel's. If not, only the tightest bend
+            is checked, because the reach depends on the pose.
         """
-        # In any pose the tightest bend must take the cutter: it is the first requirement.
+        # The first requirement, that the cutter fits the tightest bend, holds in any pose.
         requirements = self.requirements(section)[: None if aligned else 1]
         failing = [str(requirement) for requirement in requirements if not requirement.met]
         if failing:

@@ -1,4 +1,4 @@
-"""A finite cylinder, flat or round at its ends, against lines: Line and finite cylinder."""
+"""A finite cylinder with flat or round ends, and where lines meet it: Line and finite cylinder."""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -8,22 +8,16 @@ import numpy as np
 from ..arguments import Directions, Length0, Point, Points, Radii, checked, sizes
 from ..kernels.elementwise import larger, ratio, smaller, square_root, where, within
 from ..kernels.exact import norm
-from ..kernels.vectors import differences, lengths
-from .blocks import (
-    CLOSE,
-    MISSED,
-    between_planes,
-    meet_in_blocks,
-    nearest_to_axis,
-    past_an_axis,
-    share_of_axis,
-    unless_beside,
-    well_shaped,
-)
+from ..kernels.vectors import differences, lengths, scalar_products, vector_products
+from .blocks import meet_in_blocks
 from .rod_interval import along_lines, flat_interval, frame, nearest_point, round_interval
 from .solid import Solid, hull_of_ends
 
-PAIRS = 8192  # rods and lines of `meet_rods` that are looked at together, to stay in the cache
+CLOSE = 1e-6  # of the rod: so near to a touch the careful way decides
+RANGE = 1e20  # sizes up to this and down to its inverse: no product of four leaves the floats
+MISSED = np.inf, -np.inf, True  # what the quick way says of one line beside a rod
+FAR = 6.0  # sizes from the rod, up to which the quick way's roundings are within the promise
+PAIRS = 8192  # rods and lines of `meet_rods` treated at once, so that they stay in the cache
 
 
 @checked
@@ -36,7 +30,7 @@ def meet_rods(
     *,
     ends: Literal["flat", "round"] = "flat",
 ):
-    """Return where lines enter and leave rods, one rod a line: `Rod.meet_line` of many.
+    """Return where lines enter and leave rods, a rod for each line, as `Rod.meet_line` does.
 
     Parameters
     ----------
@@ -66,7 +60,7 @@ def meet_rods(
     (array([   inf,  0.   , -2.236]), array([ -inf, 0.   , 2.236]))
     """
     sizes("b - a", np.abs(b - a).max(axis=-1))
-    # A rod for each line: the quick way would need a shape of its own for every line.
+    # Only the careful way takes a rod for each line.
     careful = _round_carefully if ends == "round" else _flat_carefully
     vectors = a, b, point, direction
     shape = np.broadcast_shapes(radius.shape, *(vector.shape[:-1] for vector in vectors))
@@ -94,19 +88,19 @@ class Rod(Solid):
     radius : float
         In m, zero or above.
     ends : {"flat", "round"}
-        Discs, or half balls about a and b: the sweep of a ball from a to b.
+        Discs, or half balls about a and b, which make what a ball sweeps from a to b.
 
     Raises
     ------
     ValueError
-        If an end isn't one finite point, the radius is negative, `ends` is another word, or a
-        number is too small or too great for its square: radius and length must be 0 or from 1e-100
-        to 1e100, and no coordinate above that.
+        If an end isn't one finite point, the radius is negative, `ends` is another word, or the
+        square of a number would over- or underflow: radius and length must be 0 or from 1e-100 to
+        1e100, and no coordinate may be greater.
 
     Notes
     -----
-    Line and finite cylinder. A flat rod without length is empty, a round one is a ball. With
-    radius 0 it's the segment.
+    Line and finite cylinder. A flat rod without length is empty, and a round one is a ball. A rod
+    of radius 0 is the segment.
     """
 
     a: Point
@@ -152,25 +146,25 @@ class Rod(Solid):
         Returns
         -------
         enter, leave : (...) float
-            The line is inside where ``enter <= t <= leave``, in lengths of the direction; for a
-            line that misses ``inf`` and ``-inf``, an empty interval.
+            The line is inside where ``enter <= t <= leave``, in lengths of the direction. A line
+            that misses gets an empty interval, ``inf`` and ``-inf``.
 
         Raises
         ------
         ValueError
-            If a direction is zero, or a number isn't finite or too great or small for its square.
+            If a direction is zero, a number isn't finite, or its square would over- or underflow.
 
         Notes
         -----
-        Line and finite cylinder, "Treating the line as a point within a 2D shape", with the
-        sign of its first miss condition corrected and the ellipses' caps included. The answer is
-        that of a rod whose surface is off by at most 64 eps (radius + run), with run the length
-        of the axis as the line sees it: a line that touches the rod is never missed. Along the
-        line each end may be off by another 16 eps, of radius + length or of the greater distance
-        of the ends from the given point. All this holds while that point is at most
-        1e15 (radius + run) from either end of the axis, wherever the origin is; beyond, roundings
-        of the way to the rod count. What has no size for the line, a point or a segment along it,
-        is met where no rounding is in the way.
+        Line and finite cylinder, "Treating the line as a point within a 2D shape", with the sign of
+        its first miss condition corrected and the caps of the ellipses included. The answer is that
+        of a rod whose surface is off by at most 64 eps (radius + run), where run is the length of
+        the axis as the line sees it: a line that touches the rod is never missed. Along the line
+        each end may be off by another 16 eps, of radius + length or of the ends' greater distance
+        from the given point. All this holds while that point is at most 1e15 (radius + run) from
+        either end of the axis, wherever the origin is; beyond, roundings of the way to the rod add
+        to this. A rod that has no size for the line, a point or a segment along it, is met only if
+        no rounding is in the way.
 
         Examples
         --------
@@ -182,12 +176,14 @@ class Rod(Solid):
         flat = self.ends == "flat"
         careful = _flat_carefully if flat else _round_carefully
         quick = _flat_quickly if flat else _round_quickly
-        plain = well_shaped(lengths(shape.axis), shape.radius)
+        # The roundings of needles and wafers are too great for the quick way.
+        least, most = sorted((lengths(shape.axis), shape.radius))
+        plain = least > CLOSE * most and least > 1 / RANGE and most < RANGE
         return meet_in_blocks(careful, shape, point, direction, quick=quick, plain=plain)
 
 
 class _Numbers(NamedTuple):
-    """A rod in numbers: the ends of its axis, the vector from one to the other, the radius."""
+    """A rod in numbers: the ends of its axis, the vector from one to the other, and the radius."""
 
     start: tuple
     end: tuple
@@ -211,39 +207,127 @@ def _round_carefully(shape, p, u):
     return along_lines(axis, z, shift, *interval)
 
 
+class _Passing(NamedTuple):
+    """How lines q + t u pass a rod's axis v; q is counted from the start of the axis, in m.
+
+    Parameters
+    ----------
+    n : vectors
+        The products u x v.
+    nn, aside, uu, vv : (...) float
+        The products n n, q n, u u and v v.
+    size : (...) float
+        q^2 u^2 v^2.
+    beside : (...) bool
+        Which lines pass beside the endless wall by more than rounding, and so surely miss.
+    """
+
+    n: tuple
+    nn: np.ndarray
+    aside: np.ndarray
+    uu: np.ndarray
+    vv: float
+    size: np.ndarray
+    beside: np.ndarray
+
+
+def _passing(shape, q, u):
+    """Return the `_Passing` of lines by a rod's axis: `q` and `u` are those of the quick way."""
+    n = vector_products(u, shape.axis)
+    nn, aside = scalar_products(n, n), scalar_products(q, n)
+    uu, vv = scalar_products(u, u), scalar_products(shape.axis, shape.axis)
+    size = scalar_products(q, q) * (uu * vv)
+    # The second term bounds the square of the error that six roundings make in q n.
+    wide = (1 + 10 * CLOSE) * shape.radius * shape.radius * nn + 1e-23 * size
+    return _Passing(n, nn, aside, uu, vv, size, aside * aside > wide)
+
+
+class _Nearest(NamedTuple):
+    """Where lines are nearest to a rod's axis v.
+
+    Parameters
+    ----------
+    qv, uv : (...) float
+        The products q v and u v.
+    middle : (...) float
+        The line's parameter there.
+    room : (...) float
+        Radius^2 less the squared distance, times n n.
+    half : (...) float
+        The parameter from the middle to the endless wall.
+    sound : (...) bool
+        Which lines the quick way may take: their given point is near, and they are no tangents.
+    """
+
+    qv: np.ndarray
+    uv: np.ndarray
+    middle: np.ndarray
+    room: np.ndarray
+    half: np.ndarray
+    sound: np.ndarray
+
+
+def _nearest(shape, q, u, passing):
+    """Return the `_Nearest` of lines to the axis of a rod, by how they are `passing` it."""
+    v = shape.axis
+    radius = shape.radius
+    n, nn, aside, uu, vv, size, _ = passing
+    qv, uv = scalar_products(q, v), scalar_products(u, v)
+    middle = ratio(-scalar_products(vector_products(q, v), n), nn)
+    room = radius * radius * nn - aside * aside
+    half = ratio(square_root(room * vv), nn)
+    # The given point must be near, the angle between line and axis not small; no square of a
+    # direction may be out of range, and the line mustn't be a tangent.
+    enough = size <= FAR * FAR * nn * (radius * radius + nn / uu)
+    enough = enough & (uu < RANGE * RANGE) & (uu > 1 / RANGE / RANGE)
+    sound = enough & (room > CLOSE * radius * radius * nn)
+    return _Nearest(qv, uv, middle, room, half, sound)
+
+
+def _unless_beside(beside, enter, leave, sure):
+    """Return `enter`, `leave` and where they are `sure`; lines `beside` a rod surely miss."""
+    hit = where(beside, False, enter <= leave)
+    return where(hit, enter, np.inf), where(hit, leave, -np.inf), sure | beside
+
+
 def _flat_quickly(shape, q, u):
     """Return `enter`, `leave` and where they are sure of lines against a flat rod."""
-    passing = past_an_axis(shape, q, u)
+    passing = _passing(shape, q, u)
     if passing.beside is True:
         return MISSED
-    lines = nearest_to_axis(shape, q, u, passing)
-    first, last, steep = between_planes(lines)
+    lines = _nearest(shape, q, u, passing)
+    # The planes of the discs: a line that is nearly level with them is left to the careful way.
+    at_start, at_end = ratio(-lines.qv, lines.uv), ratio(passing.vv - lines.qv, lines.uv)
+    first, last = smaller(at_start, at_end), larger(at_start, at_end)
+    steep = lines.uv * lines.uv > CLOSE * CLOSE * passing.uu * passing.vv
     enter = larger(first, lines.middle - lines.half)
     leave = smaller(last, lines.middle + lines.half)
-    # Where both ends nearly fall together the line passes a rim closely.
+    # Where both ends nearly coincide the line passes close by a rim.
     clear = abs(leave - enter) > CLOSE * (lines.half + (last - first))
-    return unless_beside(passing.beside, enter, leave, steep & clear & lines.sound)
+    return _unless_beside(passing.beside, enter, leave, steep & clear & lines.sound)
 
 
 def _round_quickly(shape, q, u):
     """Return `enter`, `leave` and where they are sure of lines against a capsule."""
-    passing = past_an_axis(shape, q, u)
+    passing = _passing(shape, q, u)
     if passing.beside is True:
         return MISSED
-    lines = nearest_to_axis(shape, q, u, passing)
-    enter, enters = _end_on_ball(lines, shape.radius, -1.0)
-    leave, leaves = _end_on_ball(lines, shape.radius, 1.0)
-    return unless_beside(passing.beside, enter, leave, enters & leaves & lines.sound)
+    lines = _nearest(shape, q, u, passing)
+    enter, enters = _end_on_ball(passing, lines, shape.radius, -1.0)
+    leave, leaves = _end_on_ball(passing, lines, shape.radius, 1.0)
+    return _unless_beside(passing.beside, enter, leave, enters & leaves & lines.sound)
 
 
-def _end_on_ball(lines, radius, sign):
+def _end_on_ball(passing, lines, radius, sign):
     """Return where lines enter (-1) or leave (1) a capsule, by the ball there, and if it's sure."""
-    # Where on the axis, from 0 to 1, the line is nearest to it.
-    share = share_of_axis(lines)
-    # The ball's centre is where the endless wall is met, or the axis' end that this is beyond.
-    step = lines.half * (lines.uv / lines.vv)
+    # The share of the axis, from its start, that is nearest to the line.
+    share = (lines.qv + lines.uv * lines.middle) / passing.vv
+    # The ball's centre is where the line meets the endless wall, or the end of the axis that this
+    # place is beyond.
+    step = lines.half * (lines.uv / passing.vv)
     beside = within(share + sign * step, 0.0, 1.0) - share
     # Radius^2 less the squared distance of that centre from the line.
-    room = ratio(lines.room - beside * beside * (lines.nn * lines.nn / lines.uu), lines.nn)
-    end = lines.middle + beside * (lines.uv / lines.uu) + sign * square_root(room / lines.uu)
+    nn, uu = passing.nn, passing.uu
+    room = ratio(lines.room - beside * beside * (nn * nn / uu), nn)
+    end = lines.middle + beside * (lines.uv / uu) + sign * square_root(room / uu)
     return where(room > 0, end, -sign * np.inf), abs(room) > CLOSE * radius * radius

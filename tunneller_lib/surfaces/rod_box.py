@@ -1,4 +1,4 @@
-"""How far down an upright box comes until it touches a rod: the note's part two."""
+"""How far down an upright box comes before it touches a rod: the note's part two."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @checked
 def meet_box(rod: Rod, low: Corners, high: Corners):
-    """Return the lowest and highest points of a rod in boxes that are endless along z.
+    """Return the lowest and the highest points of a rod within boxes that are endless along z.
 
     Parameters
     ----------
@@ -34,12 +34,12 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
 
     Notes
     -----
-    Line and finite cylinder announces this as its part two, and doesn't give it. The rod's upper
-    side is a concave height over the plane. Over a rectangle it is greatest at the rod's own
-    highest point, if that lies over it; or in the plane of a side, where the rod's border runs
-    along that side; or on the line through a corner. Each place has a closed form and is a point of
-    the rod, so that the highest of them is the answer and none can be too high. The answer is that
-    of a rod whose surface is off by at most 64 eps of the sum of its size and the box's distance.
+    Line and finite cylinder announces this as its part two but doesn't give it. The height of the
+    rod's upper side is a concave function over the plane. Over a rectangle it is greatest at the
+    rod's own highest point, if that lies over it; or in the plane of a side, where the rod's border
+    runs along that side; or on the line through a corner. Each such place has a closed form and is
+    a point of the rod. So the highest of them is the answer, and none can be too high. The answer
+    is that of a rod whose surface is off by at most 64 eps of its size plus the box's distance.
 
     Examples
     --------
@@ -50,11 +50,11 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
     low, high = np.broadcast_arrays(low, high)
     if not np.all(low <= high):
         raise ValueError("low: must not be above high on either axis; got a corner that is.")
-    # First the lines through the corners of the section.
+    # The lines through the corners of the section come first.
     x = np.stack([low[..., 0], high[..., 0]])[[0, 1, 1, 0]]
     y = np.stack([low[..., 1], high[..., 1]])[[0, 0, 1, 1]]
     bottom, top = rod.meet_line(np.stack([x, y, np.zeros_like(x)], axis=-1), UP)
-    # All else is counted from the rod's start, where places have the most digits.
+    # Everything else is counted from the rod's start, from where places have the most digits.
     low, high = low - rod.a[:2], high - rod.a[:2]
     reach = np.maximum(np.abs(low), np.abs(high)).max(axis=-1)
     guard = GUARD * (rod.radius + rod.length + reach)
@@ -65,7 +65,7 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
             points += _in_plane(rod, along, across, side[..., across], guard)
     bottom, top = bottom.min(axis=0), top.max(axis=0)
     for x, y, z in points:
-        # What isn't there is NaN, and over nothing.
+        # A place that doesn't exist is NaN, which is over nothing.
         over = (low[..., 0] - guard <= x) & (x <= high[..., 0] + guard)
         over = over & (low[..., 1] - guard <= y) & (y <= high[..., 1] + guard)
         bottom = np.where(over, np.fmin(bottom, rod.a[2] + z), bottom)
@@ -74,23 +74,23 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
 
 
 def _in_plane(rod, along, across, at, guard):
-    """Yield points of a rod, from its start on, that may be its outermost in upright planes.
+    """Yield points of a rod, counted from its start, that may be its outermost in upright planes.
 
     Parameters
     ----------
     rod : Rod
         The rod.
     along, across : {0, 1}
-        The axis that runs in the planes, and the one at right angles to them.
+        The axis, x or y, that runs in the planes, and the one at right angles to them.
     at : (...) float
-        Where the planes are on the latter, in m.
+        The planes' places on the latter, in m.
     guard : (...) float
-        By how much rounding may move a place, in m.
+        How far rounding may move a place, in m.
     """
     v, r = rod.axis, rod.radius
     length = rod.length
     if rod.ends == "round":
-        # The plane cuts a ball in a circle, whose top and bottom count.
+        # The plane cuts the ball at an end in a circle, whose top and bottom may be outermost.
         for centre in (np.zeros(3), v):
             away, half = _chord(at - centre[across], r, 1.0, guard)
             for height in (half, -half):
@@ -99,12 +99,13 @@ def _in_plane(rod, along, across, at, guard):
     if length == 0:
         return
     w = v / length
-    # The wall's border, as one sees it along the side, is two rulings; the plane cuts them.
+    # Seen along the side, the wall's border is two rulings. The plane cuts each of them.
     run = np.hypot(w[across], w[2])
     aside = (w[2], -w[across]) / run if run else np.zeros(2)
     for radial in (r * aside, -r * aside):
         first, last = radial[0] - at, radial[0] + v[across] - at
-        # Within the guard of the plane; and in it all along, where other points do as well.
+        # The ruling must come within the guard of the plane. If it lies in it all along, any of its
+        # points will do: the ends and the corners' lines tell the rest.
         met = (np.minimum(first, last) <= guard) & (np.maximum(first, last) >= -guard)
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(first == last, 0.0, np.clip(first / (first - last), 0, 1))
@@ -113,8 +114,8 @@ def _in_plane(rod, along, across, at, guard):
             along, across, share * v[along], radial[0] + share * v[across], radial[1] + share * v[2]
         )
     if rod.ends == "flat":
-        # The plane cuts a disc along a chord, whose ends count. Where the disc lies in the plane,
-        # any chord will do: the disc's own top and the corners' lines tell the rest.
+        # The plane cuts a disc along a chord, whose ends may be outermost. Where the disc lies in
+        # the plane, any chord will do: the disc's own top and the corners' lines tell the rest.
         sine = np.hypot(w[along], w[2])
         x, z = (-w[2] / sine, w[along] / sine) if sine else (0.0, 1.0)
         for centre in (np.zeros(3), v):
@@ -130,18 +131,19 @@ def _in_plane(rod, along, across, at, guard):
 
 
 def _chord(away, radius, sine, guard):
-    """Return how far a plane's chord is from a circle's centre, within the circle, and half of it.
+    """Return how far a circle's chord, cut by a plane, is from the centre, and half its length.
 
-    The plane is `away` from the centre, in m, and cuts the circle's own plane at an angle of this
-    sine. Half of the chord is NaN where the plane passes beside the circle by more than the guard.
+    The plane is `away` from the centre, in m, and is at an angle with this sine to the circle's own
+    plane. Where it passes beside the circle by more than the guard, half the length is NaN; within
+    the guard the chord is moved onto the circle.
     """
     met = np.abs(away) <= sine * radius + guard
     away = np.clip(away / (sine or 1.0), -radius, radius)
-    # The product keeps the digits that radius^2 - away^2 would lose near a touch.
+    # By this product nothing cancels near a touch, as it would in radius^2 - away^2.
     return away, np.where(met, np.sqrt((radius - away) * (radius + away)), np.nan)
 
 
 def _place(along, across, first, second, z):
-    """Return x, y and z of points by their places along and across a plane."""
+    """Return x, y and z of points from their places along and across a plane."""
     x, y = (first, second) if along == 0 else (second, first)
     return x, y, z

@@ -1,4 +1,4 @@
-"""Sections of a tunnel: closed convex curves of arcs and lines, and how deep points lie inside."""
+"""Sections of a tunnel: closed convex curves of arcs and lines, and the depth of points in them."""
 
 from dataclasses import dataclass, replace
 
@@ -6,9 +6,9 @@ import numpy as np
 
 from ..arguments import Angle, Angles, Each, Finite, Lengths, NotNegative, checked
 
-CLOSED = 1e-12  # largest gap between pieces, over the perimeter
-SMOOTH = 1e-12  # largest turn at a blend, in rad: beyond it is a corner
-SNAP = 1e-6  # m, by which pieces may miss each other unless one says otherwise
+CLOSED = 1e-12  # of the perimeter: the largest gap between pieces that counts as none
+SMOOTH = 1e-12  # rad: a greater turn between pieces is a corner
+SNAP = 1e-6  # m, by which pieces may miss each other by default
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class Arc:
 
     @property
     def length(self):
-        """Return its length, in m."""
+        """Return the arc's length, in m."""
         return self.radius * self.sweep
 
     @property
     def headings(self):
-        """Return its directions at start and end, in rad from y to z."""
+        """Return the arc's directions at start and end, in rad from y to z."""
         return self.start + np.pi / 2, self.start + self.sweep + np.pi / 2
 
     @checked
@@ -51,31 +51,29 @@ class Arc:
 
     @checked
     def depth(self, y: Lengths, z: Lengths, slack: NotNegative):
-        """Return the depth of points behind the arc, infinite outside its sector, in m.
+        """Return how deep points lie behind the arc, in m; inf outside of its sector.
 
-        The sector is wider by `slack`, in m on the arc, at both ends: at a blend both pieces count.
+        The sector is widened at both ends by `slack`, in m on the arc, so that at a blend no point
+        falls between two pieces.
         """
         dy, dz = y - self.y, z - self.z
-        # Counted from the arc's start, one comparison decides, wherever the arc passes pi.
+        # Counted from the arc's start, angles need one comparison, even where the arc passes pi.
         wider = 1e-12 + slack / self.radius
         turned = np.mod(np.arctan2(dz, dy) - self.start + wider, 2 * np.pi)
         return np.where(turned <= self.sweep + 2 * wider, self.radius - np.hypot(dy, dz), np.inf)
 
     @checked
     def inset(self, d: Finite):
-        """Return the arc at a distance d on its inner side."""
+        """Return the arc at a distance d, in m, on the inner side."""
         return replace(self, radius=self.radius - d)
 
     @property
     def swept(self):
         """Return twice the area between the arc and the origin, in m^2."""
-        y = self.y
-        z = self.z
-        radius = self.radius
-        end = self.start + self.sweep
         # Green's theorem: the integral of y dz - z dy along the arc.
-        moment = y * (np.sin(end) - np.sin(self.start)) - z * (np.cos(end) - np.cos(self.start))
-        return radius * (radius * self.sweep + moment)
+        start, end = self.start, self.start + self.sweep
+        moment = self.y * (np.sin(end) - np.sin(start)) - self.z * (np.cos(end) - np.cos(start))
+        return self.radius * (self.radius * self.sweep + moment)
 
 
 @dataclass(frozen=True)
@@ -100,12 +98,12 @@ class Line:
 
     @property
     def radius(self):
-        """Return its radius of curvature, which is infinite."""
+        """Return the line's radius of curvature, which is infinite."""
         return np.inf
 
     @property
     def headings(self):
-        """Return its direction at start and end, in rad from y to z."""
+        """Return the line's direction, at start and end, in rad from y to z."""
         return self.heading, self.heading
 
     @checked
@@ -117,17 +115,17 @@ class Line:
 
     @checked
     def depth(self, y: Lengths, z: Lengths, slack: NotNegative):
-        """Return the depth of points behind the line, infinite beyond its ends by `slack`, in m."""
+        """Return how deep points lie behind the line, in m; inf beyond its ends and `slack`."""
         cos, sin = np.cos(self.heading), np.sin(self.heading)
         dy, dz = y - self.y, z - self.z
         along = cos * dy + sin * dz
-        # The strip across the line; beyond it another piece is nearest.
+        # Only in the strip across the line can it be the nearest piece.
         within = (-slack <= along) & (along <= self.length + slack)
         return np.where(within, cos * dz - sin * dy, np.inf)
 
     @checked
     def inset(self, d: Finite):
-        """Return the line at a distance d on its inner side."""
+        """Return the line at a distance d, in m, on the inner side."""
         return replace(
             self, y=self.y - d * np.sin(self.heading), z=self.z + d * np.cos(self.heading)
         )
@@ -139,14 +137,14 @@ class Line:
 
 
 class Section:
-    """A closed convex curve of arcs and lines in the plane (y, z), counter-clockwise: `arcs`.
+    """A closed convex curve of arcs and lines in the plane (y, z), counter-clockwise.
 
-    A shape of its own derives from it and gives its pieces as `arcs`, as `Egg` does. Arc length s
-    runs from the first piece's start and repeats with the perimeter.
+    A shape derives from it and gives its pieces as `arcs`, as `Egg` does. Arc length s counts from
+    the start of the first piece and repeats with the perimeter.
     """
 
     arcs: tuple
-    slack: float = 0.0  # m, by which ends may miss each other, see `closed_profile`
+    slack: float = 0.0  # m, by which pieces may miss each other, see `closed_profile`
 
     @property
     def blends(self):
@@ -205,11 +203,12 @@ class Section:
     def _place(self, s):
         """Return arc lengths (...) within one round, and the indices of the pieces there."""
         s = np.mod(s, self.perimeter)
-        # A blend itself belongs to the piece that begins there.
+        # A blend belongs to the piece that begins there.
         index = np.searchsorted(self.blends, s, side="right") - 1
         return s, np.clip(index, 0, len(self.arcs) - 1)
 
     def _locate(self, s):
+        """Return points and outward unit normals (..., 2) at arc lengths s (...), in m."""
         s, index = self._place(s)
         blends = self.blends
         point, normal = np.empty((2, *s.shape, 2))
@@ -234,23 +233,19 @@ class Section:
 
         Notes
         -----
-        The nearest point of a convex curve lies on a piece within whose sector or strip the given
-        point is; only outside a corner no such piece exists, and the corner is nearest.
+        The nearest point of a convex curve lies on a piece whose sector or strip holds the given
+        point. Only outside of a corner there is no such piece, and the corner is nearest.
         """
         y, z = np.broadcast_arrays(y, z)
         arcs = self.arcs
         slack = 2 * CLOSED * self.perimeter  # more than any gap, lest a point fall into it
         slack += 2 * self.slack
-        inside = np.full(y.shape, np.inf)
-        for arc in arcs:
-            inside = np.minimum(inside, arc.depth(y, z, slack))
+        inside = np.min([arc.depth(y, z, slack) for arc in arcs], axis=0)
         if np.all(np.isfinite(inside)):
             return inside[()]
-        # Outside a corner no piece has the point in its sector: the corner is nearest.
-        corner = np.full(y.shape, np.inf)
-        for arc in arcs:
-            (start, _) = arc.locate(np.zeros(()))
-            corner = np.minimum(corner, np.hypot(y - start[0], z - start[1]))
+        # Outside of a corner, which is nearest.
+        corners = [arc.locate(np.zeros(()))[0] for arc in arcs]
+        corner = np.min([np.hypot(y - a, z - b) for a, b in corners], axis=0)
         return np.where(np.isfinite(inside), inside, -corner)[()]
 
     @checked
@@ -268,7 +263,7 @@ class Section:
             raise ValueError(
                 f"d: must be below the section's least radius {self.least_radius:g} m; got {d:g} m."
             )
-        # A blend that turns by up to slack / perimeter gapes at a distance.
+        # Where a blend turns a little, by up to slack / perimeter, its offset opens a gap.
         wider = self.slack * (1 + abs(d) / self.perimeter)
         return Profile(tuple(arc.inset(d) for arc in self.arcs), wider)
 
@@ -285,8 +280,8 @@ class Section:
             raise ValueError("section: must have the origin of its plane inside; it hasn't.")
         cos, sin = np.cos(angle), np.sin(angle)
         low, high = np.zeros(cos.shape), np.full(cos.shape, 2 * self.perimeter)
-        pieces = Profile(self.arcs, self.slack)  # which are made once
-        for _ in range(60):  # the depth of a convex section changes its sign once along a ray
+        pieces = Profile(self.arcs, self.slack)  # so that they are made once
+        for _ in range(60):  # the depth in a convex section changes its sign once along a ray
             middle = (low + high) / 2
             inside = pieces.depth(middle * cos, middle * sin) > 0
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
@@ -300,10 +295,9 @@ class Profile(Section):
     Parameters
     ----------
     arcs : tuple of Arc or Line
-        In counter-clockwise order, each starting where the last one ends; `closed_profile` checks
-        that they do.
+        In counter-clockwise order. Each begins where the last one ends, as `closed_profile` checks.
     slack : float
-        By how much they may miss that, in m.
+        By how much they may miss each other, in m.
     """
 
     arcs: tuple
@@ -312,16 +306,16 @@ class Profile(Section):
 
 @checked
 def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
-    """Return the section that pieces make, after checking that they close.
+    """Return the section that some pieces make, after checking that they close.
 
     Parameters
     ----------
     pieces : list of Arc or Line
         In counter-clockwise order.
     snap : float, optional
-        In m, a thousandth of the perimeter at most; 1e-6 m, which is 0.001 mm, by default. Ends
-        that are no farther apart count as one point, and turns up to snap / perimeter as none: a
-        drawing has so many digits. The section is true to as much as its pieces miss each other.
+        In m, at most a thousandth of the perimeter; by default 1e-6 m, which is 0.001 mm. Ends that
+        are no farther apart count as one point, and turns up to snap / perimeter as none, for a
+        drawing has only so many digits. The section is as exact as its pieces meet.
 
     Returns
     -------
@@ -331,8 +325,8 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
     Raises
     ------
     ValueError
-        With the first piece that is empty, doesn't begin where the last one ended, or turns
-        back; or if the pieces go round more or less than once.
+        If a piece is empty, doesn't begin where the last one ended, or turns back, with the first
+        one that does; or if the pieces go round more or less than once.
 
     Examples
     --------
@@ -340,7 +334,7 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
     0.7854
     """
     section = Profile(tuple(pieces))
-    # Each piece by itself.
+    # Each piece is checked by itself.
     for k, piece in enumerate(section.arcs):
         if not piece.length > 0 or not piece.radius > 0:
             raise ValueError(f"pieces: each needs a length and a radius above 0; {k + 1} hasn't.")
@@ -352,15 +346,15 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
             "snap: must be at most a thousandth of the perimeter, "
             f"{perimeter / 1000:.3g} m; got {snap:g} m."
         )
-    # Each begins where the one before it ends. The first is asked last: a gap before it means that
-    # the curve isn't closed, which has a message of its own.
+    # Each must begin where the one before it ends. The first is checked last: a gap before it means
+    # that the curve isn't closed, which has a message of its own.
     ends = np.array([arc.locate(np.array([0.0, arc.length]))[0] for arc in section.arcs])
     gaps = np.linalg.norm(ends[:, 0] - np.roll(ends[:, 1], 1, axis=0), axis=-1)
     for k in [*range(1, len(gaps)), 0]:
         if gaps[k] > CLOSED * perimeter + snap:
             what = "doesn't begin where the last one ended" if k else "isn't met: it isn't closed"
             raise ValueError(f"pieces: {k + 1} of {len(gaps)} {what}; the gap is {gaps[k]:.3g} m.")
-    # A corner to the left keeps the section convex, one to the right doesn't.
+    # With a corner to the left the section is still convex, with one to the right it isn't.
     turns = section._turns()
     smooth = SMOOTH + snap / perimeter
     if np.any(turns < -smooth):
@@ -369,14 +363,15 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
             f"pieces: must never turn to the right; {k + 1} of {len(turns)} begins with "
             f"{np.degrees(-turns[k]):.3g} deg."
         )
-    # Pieces and corners together turn by a full circle, else the curve crosses itself.
+    # Pieces and corners together must turn by a full circle, or the curve crosses itself.
     round_once = sum(b - a for a, b in (arc.headings for arc in section.arcs)) + turns.sum()
     if abs(round_once - 2 * np.pi) > SMOOTH:
         raise ValueError(
             "pieces: must go round once, counter-clockwise; they turn by "
             f"{np.degrees(round_once):.4g} deg."
         )
-    # What they miss each other by; nothing of those that meet and blend to rounding.
+    # The slack is what pieces miss each other by, in place and in direction. Pieces that meet and
+    # blend to rounding need none.
     bend = np.max(np.abs(turns[np.abs(turns) <= smooth]), initial=0)
     if gaps.max() <= CLOSED * perimeter and bend <= SMOOTH:
         return section

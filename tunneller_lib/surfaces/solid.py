@@ -1,4 +1,4 @@
-"""What all solids answer, and where planes touch them."""
+"""What every solid can tell of itself, and where planes touch it."""
 
 import numpy as np
 
@@ -7,12 +7,12 @@ from ..kernels.vectors import scalar_products, unit_and_speed, vector_products
 
 
 class Solid:
-    """A convex solid, which lines meet by `meet_line`.
+    """A convex solid; its `meet_line` tells where lines enter and leave it.
 
-    Its `hull` is a point (3,) of the solid, in m, and the discs and balls whose convex hull the
-    solid is: centre (3,) from that point on, unit vector along the axis (3,) or None for a ball,
-    and radius, in m; an empty solid has none. Its `capsule`, two ends (3,) and a radius, holds the
-    solid: whatever is outside of the capsule can't meet it.
+    Its `hull` is a point (3,) of the solid, in m, and a list of the discs and balls whose convex
+    hull the solid is. Each has a centre (3,), counted from that point, a unit vector (3,) along its
+    axis, or None for a ball, and a radius, in m. An empty solid has none. Its `capsule`, two ends
+    (3,) and a radius, holds the solid: nothing outside of the capsule can meet it.
     """
 
 
@@ -29,9 +29,10 @@ def hull_of_ends(a, b, radius_a, radius_b, *, round_ends=False):
 
 
 def outermost(parts, normal):
-    """Yield the points (3, n) of a `hull` where planes touch it, by its parts.
+    """Yield points (3, n), counted from the point of a `hull`, that may be its outermost.
 
-    They reach farthest along the unit vectors `normal` (3, n), or against them.
+    Of each of its parts they are those which reach farthest along the unit vectors `normal` (3, n),
+    and against them.
     """
     for centre, axis, radius in parts:
         out = radius * (normal if axis is None else nearest_in_disc(normal, axis))
@@ -41,9 +42,12 @@ def outermost(parts, normal):
 
 
 def nearest_in_disc(normal, axis):
-    """Return the unit vectors (3, n) in a disc that are nearest to others, or zero for its axis."""
+    """Return the unit vectors (3, n) in a disc's plane that are nearest to `normal`, or zero.
+
+    They are zero where `normal` is along the disc's axis.
+    """
     aside = np.stack(accurate_products(np.broadcast_to(axis[:, None], normal.shape), normal))
-    # To unit length by way of a power of two, lest squares of what is small be lost.
+    # They are brought near 1 by a power of two first: the squares of small ones would underflow.
     exponent = np.frexp(np.abs(aside).max(axis=0))[1]
     aside = np.ldexp(aside, -exponent)
     length = np.sqrt(scalar_products(aside, aside))

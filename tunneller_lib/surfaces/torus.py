@@ -8,7 +8,7 @@ from ..arguments import Angles, Directions, Length, Points, Positions, Rates, ch
 from ..kernels.exact import dot, in_blocks, radius_and_excess
 from . import torus_line
 
-# The four tangent spheres of a point, (sigma, eps): which meridian circle, which end of it.
+# The four tangent spheres of a point, by (sigma, eps): which meridian circle, and which end of it.
 FEET = ((1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
@@ -31,11 +31,10 @@ class Torus:
 
     Notes
     -----
-    Tunnelling robot, section 1.1, with its names set right: the text calls R the "ring centre
-    circle radius", but its Eq. 1 makes it the tube's. With R > r the torus meets itself in two
-    nodes (0, +-sqrt(R^2 - r^2), 0); its *working* (outer, "apple") sheet is
-    where r + R cos(phi) >= 0, and the inner ("lemon") sheet lies inside it. Squares of lengths
-    must neither over- nor underflow.
+    Tunnelling robot, section 1.1, with the names set right: the text calls R the "ring centre
+    circle radius", but in its Eq. 1 R is the tube's. With R > r the torus meets itself in two nodes
+    (0, +-sqrt(R^2 - r^2), 0). Its *working* (outer, "apple") sheet is where r + R cos(phi) >= 0,
+    and the inner ("lemon") sheet lies inside it.
     """
 
     r: Length
@@ -69,25 +68,25 @@ class Torus:
         Parameters
         ----------
         point : (..., 3) float
-            Points in m. One off the working sheet gets the angles of its `foot`.
+            Points in m. A point off the working sheet gets the angles of its `foot`.
 
         Returns
         -------
         theta, phi : (...) float
-            In rad, both from -pi to pi. On the axis theta is 0, on the ring circle phi is 0.
-            Near the axis of a spindle torus the foot may lie on the inner sheet, see `foot`.
+            In rad, both from -pi to pi. On the axis theta is 0, and on the ring circle phi is 0.
+            Near the axis of a spindle the foot may lie on the inner sheet, see `foot`.
         """
         return torus_angles(self, point)
 
     @checked
     def implicit(self, point: Points):
-        """Return the left side of Eq. 2 at points: 0 on the torus, in m^4; infinite beyond 1e77 m.
+        """Return the left side of Eq. 2 at points, in m^4: 0 on the torus, infinite beyond 1e77 m.
 
-        Written as the product over the two circles in which the meridian plane cuts the torus;
-        the printed difference of fourth powers cancels where the ring is small against the tube.
+        It is taken as a product over the two circles in which the meridian plane cuts the torus.
+        The printed difference of fourth powers cancels where the ring is small against the tube.
         """
         x, y, z = np.moveaxis(point, -1, 0)
-        # Each factor is a difference of lengths, so that only the distance itself can be small.
+        # Each factor is a difference or a sum of lengths, which is small only near the torus.
         rho, excess = radius_and_excess(x, z, self.r)
         near, far = np.hypot(excess, y), np.hypot(rho + self.r, y)
         with np.errstate(over="ignore"):
@@ -100,7 +99,7 @@ class Torus:
 
     @checked
     def ring_point(self, theta: Angles):
-        """Return the points (..., 3) of the ring circle, in m: where the tangential joint is."""
+        """Return the points (..., 3) of the ring circle, in m, where the tangential joint is."""
         return self.r * _stack(np.cos(theta), np.zeros_like(theta), 0.0 - np.sin(theta))
 
     @checked
@@ -181,7 +180,7 @@ class Torus:
         curvature : (...) float
             In 1/m, positive where the surface bends away from `normal`.
         """
-        # Both principal curvatures, weighed by the squared cosines of the direction.
+        # By Euler both principal curvatures are weighed by the squared cosines of the direction.
         cos, _, first, second = self._in_principal_directions(position, direction)
         return first * cos**2 + second * (1 - cos**2)
 
@@ -227,7 +226,8 @@ class Torus:
         """
         theta, phi = np.broadcast_arrays(theta, phi)
         with np.errstate(divide="ignore"):
-            # By Meusnier: the parallel's own curvature times the cosine of the normal's slope.
+            # By Meusnier: the parallel's curvature, 1 / rho, times the cosine between its plane and
+            # the normal, cos(phi).
             parallel = np.cos(phi) / (self.r + self.R * np.cos(phi))
         return np.full(phi.shape, 1 / self.R)[()], parallel
 
@@ -243,18 +243,17 @@ class Torus:
         Returns
         -------
         feet : (..., 4, 3) float
-            Points N, in m, in the order of `FEET`: sigma = +1 is the meridian circle on the
-            side of M, eps = +1 its far end from that circle's centre as M sees it. On the axis
-            of revolution, where a circle of feet exists, the one at theta = 0; at a circle's
-            centre, where the whole circle is equally far, the one at phi = 0 or pi. At a node
-            two feet are the node.
+            Points N, in m, in the order of `FEET`. sigma = +1 is the meridian circle on the side of
+            M, and eps = +1 its point on the same side of the circle's centre as M. On the axis of
+            revolution, where the feet make a circle, the one at theta = 0 is returned; at a
+            circle's centre, from which the whole circle is equally far, the one at phi = 0 or pi.
+            At a node two of the feet are the node.
 
         Notes
         -----
-        Closed form; the document eliminates its way to the quartic Eq. 10 instead
-        (`exhibits.quartics.foot_quartic`), which needs no more than these square roots. Errors stay
-        below 1e-13 of the foot's distance from the origin, unless M is nearer to the ring circle
-        than 1e-10 r.
+        The closed form takes two square roots, and no more does the quartic Eq. 10 need, which the
+        document gets by elimination (`exhibits.quartics.foot_quartic`). Errors stay below 1e-13 of
+        the foot's distance from the origin, unless M is nearer to the ring circle than 1e-10 r.
 
         Examples
         --------
@@ -276,17 +275,17 @@ class Torus:
         -------
         foot : (..., 3) float
             Points N where the spheres touch, in m. N is on the working sheet while
-            r + R (rho - r) / distance(M, ring circle) >= 0, with rho the distance of M from the
-            axis of revolution; on a spindle torus a point M near that axis has its foot on the
-            inner sheet, beyond the axis. On the axis, where a circle of feet exists, N is the one
-            at theta = 0; on the ring circle, where a meridian circle is equally far, the one at
+            r + R (rho - r) / distance(M, ring circle) >= 0, where rho is the distance of M from the
+            axis of revolution. On a spindle a point M near that axis has its foot on the inner
+            sheet, beyond the axis. On the axis, where the feet make a circle, N is the one at
+            theta = 0; on the ring circle, from which a meridian circle is equally far, the one at
             phi = 0.
 
         Notes
         -----
-        The foot need not be the nearest: a chord that dips deep below the sheet comes nearer to
-        another one. It is the one of greatest n1, for m1 > 0, only far enough from the ring circle
-        (rho - r > 2 R / sqrt(27) suffices, which chords within the joint limits keep).
+        The foot need not be the nearest of the four: a chord that dips deep below the sheet comes
+        nearer to another one. For m1 > 0 it has the greatest n1 only if M is far enough from the
+        ring circle; rho - r > 2 R / sqrt(27) is enough, as of chords within the joint limits.
 
         Examples
         --------
@@ -296,23 +295,26 @@ class Torus:
         return self._foot(m, 1, 1)
 
     def _foot(self, m, sigma, eps):
+        """Return the foot (..., 3) of points m (..., 3) that sigma and eps tell, as in `FEET`."""
         return in_blocks(lambda block: self._foot_of_rows(block, sigma, eps), m, 3)
 
     def _foot_of_rows(self, m, sigma, eps):
         x, y, z = m.T
         with np.errstate(invalid="ignore"):
             rho, excess = radius_and_excess(x, z, self.r)
-            # Distance beyond the circle's centre; rho + r has no digits to lose.
+            # How far M is beyond the circle's centre, away from the axis. Only rho - r can cancel.
             beyond = excess if sigma > 0 else rho + self.r
             distance = np.sqrt(beyond * beyond + y * y)
             on_axis = rho == 0
             on_ring = distance == 0
-            # Adding 1 to both sides of 0/0 picks theta = 0 on the axis, phi = 0 on the ring.
+            # On the axis and on the ring the direction is 0/0: with a 1 added to both it is that of
+            # theta = 0 and of phi = 0.
             scale = eps * self.R / (distance + on_ring)
             radius = sigma * self.r + scale * (beyond + on_ring)
             opposed = beyond < 0 if sigma == eps else beyond > 0
             if np.any(opposed):
-                # r and R |cos phi| may cancel: then r - R and R (1 - |cos phi|) keep the digits.
+                # r - R |cos phi| may cancel. As r - R + R (1 - |cos phi|), with the last as a
+                # quotient, it keeps its digits.
                 cos = np.abs(scale * beyond)[opposed] / self.R
                 rest = (scale * y)[opposed] ** 2 / (self.R * (1 + cos))
                 radius[opposed] = sigma * (self.r - self.R + rest)
@@ -323,7 +325,7 @@ class Torus:
     def meet_line(self, a: Points, b: Points):
         """Return where lines through two points meet the torus (Eqs 4 and 5).
 
-        It keeps its digits for far points and for tangent lines.
+        The answers keep their digits for far points and for tangent lines.
 
         Parameters
         ----------
@@ -333,8 +335,8 @@ class Torus:
         Returns
         -------
         t : (..., 4) float
-            Parameters of all real meetings, ascending, NaN-padded. A contact counts twice: as
-            one parameter, or as two that differ by no more than the square root of rounding.
+            Parameters of all real meetings, in ascending order, NaN-padded. A contact counts twice:
+            as one parameter, or as two that differ by no more than the square root of a rounding.
 
         Raises
         ------
@@ -346,13 +348,14 @@ class Torus:
         >>> Torus(r=1, R=2).meet_line((-10, 0, 0), (-9, 0, 0))
         array([ 7.,  9., 11., 13.])
         """
-        torus_line.check_differ(a, b)
+        if np.any(np.all(a == b, axis=-1)):
+            raise ValueError("a, b: must differ, or there is no line; got a pair that coincides.")
         lines = np.concatenate(np.broadcast_arrays(a, b), axis=-1)
         return in_blocks(lambda some: torus_line.meet(self, some[:, :3], some[:, 3:]), lines, 4)
 
 
-# The plain functions behind the methods of the same names. Paths that may have no answer call them:
-# NaN in, NaN out.
+# These are the methods of the same names without checks. Paths that may have no answer call them,
+# for NaN gives NaN.
 
 
 def torus_point(torus, theta, phi):
@@ -364,7 +367,7 @@ def torus_point(torus, theta, phi):
 def torus_angles(torus, point):
     """Return the joint angles, in rad, of points, in m."""
     x, y, z = np.moveaxis(point, -1, 0)
-    # A zero of either sign becomes +0, so that the axis has theta = 0 and not pi.
+    # Here a zero of either sign becomes +0: else theta could be pi on the axis.
     return np.arctan2(0.0 - z, x + 0.0), np.arctan2(y, radius_and_excess(x, z, torus.r)[1])
 
 
@@ -386,6 +389,7 @@ def _joint_motion(position, rate):
 
 
 def _stack(x, y, z):
+    """Return vectors (..., 3) of these components, which broadcast."""
     out = np.empty((*np.broadcast_shapes(x.shape, y.shape, z.shape), 3))
     out[..., 0], out[..., 1], out[..., 2] = x, y, z
     return out
