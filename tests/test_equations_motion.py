@@ -102,10 +102,8 @@ def test_increments_from_adjacent_points(judge):
     torus = REFERENCE_MACHINE.torus
     path = project_chord(torus, (-0.9, -0.5), (0.4, 0.6), 41)
     x, y, z = torus.point(*path.T).T  # the points N
-    theta = np.arctan2(-z, x)
-    phi = np.arctan2(y, np.hypot(x, z) - torus.r)
-    increments = np.diff([theta, phi])
-    judge("increments", np.allclose(increments, np.diff(path.T), rtol=0, atol=1e-14))
+    angles = np.arctan2(-z, x), np.arctan2(y, np.hypot(x, z) - torus.r)
+    judge("increments", np.allclose(np.diff(angles), np.diff(path.T), rtol=0, atol=1e-14))
 
 
 def away_from_line(gains, tick=0.001):
@@ -135,16 +133,14 @@ def test_independent_controllers(judge):
     v, a, b, s = 0.1, *unlike, np.radians(40)
     law = v * np.sin(s) * np.cos(s) * abs(1 / a - 1 / b)
     assert away_from_line(unlike) == pytest.approx(law, rel=1e-6)
-    assert 1.2e-3 < law < 1.3e-3
     inwards = 0.3 * (1 - 1 / np.hypot(1, v / 0.3 / a))
     assert away_from_circle(alike) == pytest.approx(inwards, rel=0.02)
-    assert 1.6e-4 < inwards < 1.7e-4 and away_from_circle(unlike) > 6 * inwards
 
 
-def moved_in_segments(whole):
-    """Return set-values, in rad, of equal moves of 6.5 ticks at 0.1 rad/s, or of `whole` ticks."""
+def moved_in_segments(ticks):
+    """Return set-values, in rad, of equal moves at 0.1 rad/s whose knots are `ticks` apart."""
     fine, tick = 1e-7, 0.005
-    times = tick * (whole or 6.5) * np.arange(600)
+    times = tick * ticks * np.arange(600)
     knots = np.rint(0.1 * times / fine).astype(int)
     return fine * motion.polyline(knots[:, None], motion.tick_counts(times, tick))[:, 0]
 
@@ -158,8 +154,8 @@ def test_resonance_intervals(judge):
     assert period < 0.51 / 8.0  # the loop's time is 1/Kv
     # And equal: where segments of 6.5 ticks get 6 or 7, ticks as short as that shake it, too.
     shaken = []
-    for whole in (None, 6):
-        track = follow(plant, Loop(8.0, 0.005), moved_in_segments(whole))
+    for ticks in (6.5, 6):
+        track = follow(plant, Loop(8.0, 0.005), moved_in_segments(ticks))
         shaken.append(np.ptp(np.diff(track.position[1000:])) / 0.005 / 0.1)
     assert 0.005 < period / 10 and shaken[0] > 0.08 and shaken[1] < 1e-9
     judge("resonance-intervals", cases={
@@ -196,16 +192,14 @@ def test_equal_increments(judge):
     equal = {True: [], False: []}
     for difference in range(-60, 61):
         for ticks in range(1, 30):
-            steps = {*np.diff(time_bresenham(0, difference, ticks)).tolist()}
+            setvalues = time_bresenham(0, difference, ticks)
+            steps = {*np.diff(setvalues).tolist()}
             assert steps <= {difference // ticks, difference // ticks + 1}
-            divides = difference % ticks == 0
-            assert (len(steps) == 1) == divides
-            equal[divides].append(len(steps) == 1)
-            ideal = np.arange(ticks + 1) * difference
-            off = ticks * time_bresenham(0, difference, ticks) - ideal
+            equal[difference % ticks == 0].append(len(steps) == 1)
+            off = ticks * setvalues - np.arange(ticks + 1) * difference
             assert np.max(np.abs(off)) <= ticks / 2  # half a count
     # From segment to segment: equal moves of 6.5 ticks get 6 or 7, and increments differ by 1/6.
-    rounded, whole = (np.diff(moved_in_segments(ticks)) for ticks in (None, 6))
+    rounded, whole = (np.diff(moved_in_segments(ticks)) for ticks in (6.5, 6))
     alike = [bool(np.ptp(steps) < 1.5e-7) for steps in (rounded, whole)]  # to a count and a half
     assert rounded.max() / rounded.min() == pytest.approx(7 / 6, rel=1e-3)
     judge("equal-increments", cases={"N divides D": all(equal[True]),
@@ -245,14 +239,13 @@ def test_dda_errors(judge):
 
 
 def test_dda_without_a_product(judge):
-    # By sums alone, counted; without rounding it is the line itself.
+    # By one sum a step alone; without rounding it is the line itself.
     same = []
     for k, d, steps in [(Fraction(5, 2), 5, 10), (Fraction(-7, 3), 40, 99), (Fraction(1, 7), 0, 5)]:
-        value, values, sums = Fraction(d), [Fraction(d)], 0
+        values = [Fraction(d)]
         for _ in range(steps):
-            value, sums = value + k, sums + 1
-            values.append(value)
-        same.append(values == [k * x + d for x in range(steps + 1)] and sums == steps)
+            values.append(values[-1] + k)
+        same.append(values == [k * x + d for x in range(steps + 1)])
     judge("dda-product", len(same) == 3 and all(same))
 
 
@@ -280,20 +273,19 @@ def test_carry(judge):
             together.append(setvalues[-1] + fraction == y)
             assert 0 <= block.state["nRest"] < ticks
             block(bLoad=False)
-        carries |= {step - (stop - start) // ticks for step in np.diff(setvalues).tolist()}
+        carries |= {*(np.diff(setvalues) - (stop - start) // ticks).tolist()}
     judge("carry", len(together) == 32 and all(together) and carries == {0, 1})
 
 
 def test_major_axis(judge):
     # As the conventional algorithm counts the steps of the longer axis, no axis moves by more
     # than one; with fewer steps, as with time, some must.
-    longest = {"counted": [], "fewer": []}
-    for dx, dy in [(10, 3), (4, 9), (-7, 5), (6, -6)]:
-        major = max(abs(dx), abs(dy))
-        for kind, ticks in (("counted", major), ("fewer", major - 1)):
-            steps = np.diff(time_bresenham([0, 0], [dx, dy], ticks))
-            longest[kind].append(np.max(np.abs(steps)))
-    judge("major-axis", len(longest["counted"]) == 4 and max(longest["counted"]) <= 1)
+    def longest(move, ticks):
+        return np.max(np.abs(np.diff(time_bresenham([0, 0], move, ticks))))
+
+    moves = {(10, 3): 10, (4, 9): 9, (-7, 5): 7, (6, -6): 6}
+    judge("major-axis", all(longest(move, major) == 1 for move, major in moves.items()))
+    assert all(longest(move, major - 1) == 2 for move, major in moves.items())
 
 
 def test_display_interpolation(judge):
@@ -303,10 +295,10 @@ def test_display_interpolation(judge):
     rng = np.random.default_rng(13)
     for _ in range(50):
         start, stop = rng.integers(-1000, 1000, (2, 6))
-        ticks = int(max(1, np.max(np.abs(stop - start)[:2])))  # the longer axis on the screen
-        found = time_bresenham(start, stop, ticks).tolist()
-        for axis, first, last in zip(found, start.tolist(), stop.tolist(), strict=True):
-            assert axis == [floor(y + HALF) for y in exact(first, last, ticks)]
+        way = stop - start
+        ticks = max(1, np.max(np.abs(way[:2])))  # the longer axis on the screen
+        rounded = (2 * np.outer(way, np.arange(ticks + 1)) + ticks) // (2 * ticks)
+        np.testing.assert_array_equal(time_bresenham(start, stop, ticks), start[:, None] + rounded)
 
 
 # ---- 4.2: slopes above 1 --------------------------------------------------------------------
@@ -332,8 +324,7 @@ def test_fast_division(judge):
 
 def test_slope_above_one(judge):
     # Once a move, as the listing prepares it; in whole numbers the remainder needs a product too.
-    text = line_text(parts=1)
-    preparation, tick = text.split("\nELSIF ")
+    preparation, tick = line_text(parts=1).split("\nELSIF ")
     once = [preparation.count(f"(nStop - nStart) {sign} ") for sign in ("/", "MOD")] == [1, 1]
     never = not any(operator in tick for operator in ("/", "MOD", "*"))
     fraction, remainder = [], []
@@ -359,15 +350,13 @@ def test_listing_plot(judge):
 
 def test_listing_floats(judge):
     # nx and e are no integers; in floating point some ties tip over. Scaled by N nothing does.
-    def as_in_whole_numbers(ticks, k, number):
-        return listed(0, k, ticks, number=number) == in_whole_numbers(ticks, k)
-
-    def in_whole_numbers(ticks, k):
-        return time_bresenham(0, k, ticks, tie="down").tolist()
+    def as_in_whole_numbers(ticks, k):
+        in_whole_numbers = time_bresenham(0, k, ticks, tie="down").tolist()
+        return listed(0, k, ticks, number=float) == in_whole_numbers
 
     judge("line-float", cases={
-        "0 to 25 in ten steps": as_in_whole_numbers(10, 25, float),
-        "0 to 13 in thirty steps": as_in_whole_numbers(30, 13, float)})  # fmt: skip
+        "0 to 25 in ten steps": as_in_whole_numbers(10, 25),
+        "0 to 13 in thirty steps": as_in_whole_numbers(30, 13)})  # fmt: skip
 
 
 def test_listing_slope(judge):
@@ -392,11 +381,7 @@ def test_listing_division(judge):
 
     judge("line-division", cases={"a rising line": simulates(5, 30),
                                   "a falling line": simulates(30, 5)})  # fmt: skip
-    assert (trunc(-2.5), floor(-2.5)) == (-2, -3)
     assert listed(30, 5, division=trunc)[-1] == 10 and listed(30, 5)[-1] == 5
-    # Two statements make the truncated quotient and remainder floored ones.
-    block = FunctionBlock(line_text(parts=1))
-    assert line(block, 30, 5, 10) == time_bresenham(30, 5, 10).tolist()
 
 
 def test_listing_quadrants(judge):
@@ -406,13 +391,13 @@ def test_listing_quadrants(judge):
     def works(line_of, tie):
         return all(line_of(*move) == time_bresenham(*move, tie=tie).tolist() for move in moves)
 
-    # The ifs of the exported text: with a division that truncates they make it work.
+    # The ifs of the exported text, two statements: with a division that truncates they make it
+    # work.
     completed = works(lambda *move: line(FunctionBlock(line_text(parts=1)), *move), "up")
     truncated = partial(listed, division=trunc)
     judge("line-quadrants", cases={
         "a division that truncates": completed and not works(truncated, "down"),
         "floor, as printed": completed and not works(listed, "down")})  # fmt: skip
-    assert all(listed(*move)[-1] == move[1] for move in moves)
 
 
 def test_listing_ties(judge):
@@ -459,8 +444,6 @@ def test_listing_rectangles(judge):
     judge("line-rectangles", cases={"a slope of 2.5": shown(25), "a slope of 1": shown(10),
                                     "a slope of 0.7": shown(7), "of 0": shown(0),
                                     "of -0.7": shown(-7), "of -2.5": shown(-25)})  # fmt: skip
-    for k in (25, 10, 7, 0, -7, -25):
-        assert heights(k) == [floor(Fraction(k, 10))] * 11
 
 
 def test_listing_continuation(judge):
@@ -496,8 +479,7 @@ def test_listing_thousand_entries(judge):
 
     judge("line-arrays", cases={"the example's ten ticks": hold(10), "999 ticks": hold(999),
                                 "1000 ticks": hold(1000)})  # fmt: skip
-    program = matlab_listing.run(t2=1500)
-    assert len(program.y_array) == 1501
+    assert len(matlab_listing.run(t2=1500).y_array) == 1501
 
 
 def test_listing_axes(judge):
@@ -581,9 +563,6 @@ def test_numerically_efficient(judge):
     dear = any(operator in tick for operator in ("/", "MOD", "*", "REAL", "."))
     declared = re.findall(r": (\w+)(?:;| :=)", text)
     judge("numerically-efficient", few and not dear and set(declared) == {"BOOL", "DINT"})
-    # Bit for bit the exact line, so that nothing is paid for in accuracy.
-    block = FunctionBlock(line_text(parts=1))
-    assert line(block, -7, 1000, 37) == [floor(y + HALF) for y in exact(-7, 1000, 37)]
 
 
 def test_two_tasks(judge):
