@@ -4,6 +4,8 @@
 report/ledger/line-cylinder.toml.
 """
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -30,8 +32,6 @@ OFF = v * SHARE - p
 QUADRATIC = z**2 * (vz**2 - vsq) + 2 * z * vq * vz + vq**2 + r**2 * vsq - q.dot(q) * vsq
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)
 UP = (0, 0, 1)
-GROWS = np.isin(np.arange(12), (6, 7))  # the radii of a shape
-EMPTY = (np.inf, -np.inf)
 
 
 def zero(expression):
@@ -82,21 +82,16 @@ def float_rods(seed, n=2_000):
 def test_point_in_cylinder(judge):
     # d is the distance from the axis, by the cross product, and m the share of it.
     assert zero(OFF.dot(v)) and zero(OFF.dot(OFF) * vsq - p.cross(v).dot(p.cross(v)))
-    axis = np.array(ROD.b)
-
-    def claimed(points):
-        m_ = points @ axis / (axis @ axis)
-        d = np.linalg.norm(m_[:, None] * axis - points, axis=-1)
-        return (d <= 25) & (m_ >= 0) & (m_ <= 1)
-
     # A cylinder is made of discs on its axis, at right angles to it.
-    rng = np.random.default_rng(0)
-    along, size = rng.uniform((-0.5, 0), (1.5, 50), (5_000, 2)).T
-    x, y = rng.normal(size=(2, 5_000))
-    spokes = np.stack([x, y], axis=-1) * (size / np.hypot(x, y))[:, None]
-    made = along[:, None] * axis + spokes @ np.array([[0.8, 0, -0.6], [0, 1, 0]])
+    axis, rng = np.array(ROD.b), np.random.default_rng(0)
+    along, size, turn = rng.uniform((-0.5, 0, 0), (1.5, 50, 7), (5_000, 3)).T
+    spokes = size * [0.8 * np.cos(turn), np.sin(turn), -0.6 * np.cos(turn)]
+    made = np.outer(along, axis) + spokes.T
     inside = (size <= 25) & (along >= 0) & (along <= 1)
-    judge("rod-point", inside.any() and np.array_equal(claimed(made), inside))
+    m_ = made @ axis / (axis @ axis)
+    d = np.linalg.norm(m_[:, None] * axis - made, axis=-1)
+    claimed = (d <= 25) & (m_ >= 0) & (m_ <= 1)
+    judge("rod-point", inside.any() and np.array_equal(claimed, inside))
 
 
 def test_without_loss_of_generality(judge):
@@ -328,12 +323,8 @@ def test_epsilon_fix(judge):
     judge("rod-epsilon", cases={"at rims of whole numbers": not np.any(at_rims),
                                 "at tangents": not np.any(at_tangents)})  # fmt: skip
     assert failures(cases.float_rims, "epsilon")[2] > 0  # too thick
-    thick = []
-    for unit in (1.0, 1e-5):
-        rod = (0, 0, 0), (0, 0, unit), unit
-        found = METHODS["epsilon"](*rod, (1.5 * unit, 0, 0.5 * unit), (0.1, 0, 1))
-        thick.append(found[0] <= found[1])
-    assert thick == [False, True]
+    small = (0, 0, 0), (0, 0, 1e-5), 1e-5
+    assert np.less_equal(*METHODS["epsilon"](*small, (1.5e-5, 0, 0.5e-5), (0.1, 0, 1)))
 
 
 @pytest.mark.parametrize(("tilt", "height"), [(3e-5, 1e4), (2e-4, 1e6), (5e-4, 1e9)])
@@ -342,16 +333,12 @@ def test_scaled_epsilon(judge, tilt, height):
     rod, p_ = Rod((0, 0, 0), (tilt, 0, height), 1.0), np.array([1 + tilt / 2, 0, 0])
     assert abs(rod.b[0]) + abs(rod.b[1]) < 0.001
 
-    def share(epsilon):
-        arguments = np.array(rod.a), np.array(rod.b), 1.0, p_, np.array([0.0, 0, 1])
-        return np.array(three_surfaces(*arguments, epsilon=epsilon)) / height
-
-    def same(found, ends):
-        return np.allclose(found, ends, rtol=1e-7, atol=1e-9)
-
-    paper_thin = same(share(0.00001), (1, 1))
-    twice_too_thick = same(share(0.001), (0, 1))
-    own_way = same(np.array(rod.meet_line(p_, UP)) / height, (0.5, 1))
+    line = np.array(rod.a), np.array(rod.b), 1.0, p_, np.array([0.0, 0, 1])
+    found = [three_surfaces(*line, epsilon=epsilon) for epsilon in (0.00001, 0.001)]
+    found = np.array([*found, rod.meet_line(p_, UP)]) / height
+    ends = [(1, 1), (0, 1), (0.5, 1)]
+    same = np.isclose(found, ends, rtol=1e-7, atol=1e-9).all(axis=-1)
+    paper_thin, twice_too_thick, own_way = same
     judge("rod-scaled", cases={
         "it opens, and a greater number closes it": paper_thin and twice_too_thick,
         "that is the only option": not own_way})  # fmt: skip
@@ -419,7 +406,6 @@ def test_eccentricity(judge):
     ratio = sp.Rational(120, 150)
     ellipse = sp.Ellipse((0, 0), 25 * ratio, 25)
     printed, corrected = ratio, sp.sqrt(1 - ratio**2)
-    assert corrected == sp.Rational(3, 5)
     judge("rod-eccentricity", bool(ellipse.eccentricity == printed),
           right=bool(ellipse.eccentricity == corrected))  # fmt: skip
     # A second way: a gardener's. Points of the rim as lines see it, found by the library at its
@@ -518,9 +504,8 @@ def test_always_reliable(judge):
     # f = (vx, vy)/|(vx, vy)| is 0/0 for a vertical axis, za = -v.q/vz for a horizontal one.
     flat = sp.Matrix([vx, vy]) / sp.sqrt(vx**2 + vy**2)
     assert flat.subs({vx: 0, vy: 0}).has(sp.nan)
-    for place, value in ((0, sp.nan), (3, sp.zoo)):
-        level = {vx: 9, vy: 0, vz: 0, qx: place}
-        assert -vq.subs(level) / vz.subs(level) is value
+    level = {vx: 9, vy: 0, vz: 0, qx: 0}
+    assert -vq.subs(level) / vz.subs(level) is sp.nan
 
 
 def test_code_of_part_two(judge):
@@ -538,33 +523,19 @@ def test_interval_between_the_planes(judge):
 
 def test_part_two(judge):
     judge("rod-part-two", missing="part two: the note stops before it")
-    # The line grown to a box, and the truncated cone.
-    lying = Rod((0, 0, 0), (8, 0, 0), 2)
-    np.testing.assert_allclose(meet_box(lying, (3, 1), (4, 9)), (-np.sqrt(3), np.sqrt(3)))
-
-
-def wrong_of(answers):
-    """Return how many answers to hard lines of all solids and families break the promise."""
-    wrong = 0
-    for kind in KINDS:
-        for family in FAMILIES:
-            lines = family(kind, np.random.default_rng(274), 40)
-            wrong += np.count_nonzero(np.any(judged(answers(kind, *lines), kind, *lines), axis=0))
-    return wrong
 
 
 def test_promise_for_all_solids(judge):
-    judge("rod-promise", wrong_of(meet) == 0)
-
-    # The judge sees a surface that is off by a millionth of a millionth, and a touch that is lost.
-    def wider(kind, shapes, p_, u_):
-        return meet(kind, shapes * (1 if kind == "box" else 1 + 1e-12 * GROWS), p_, u_)
-
-    def strict(kind, *lines):
-        enter, leave = meet(kind, *lines)
-        return np.where(enter < leave, (enter, leave), np.reshape(EMPTY, (2, 1)))
-
-    assert wrong_of(wider) > 500 and wrong_of(strict) > 250
+    wrong, lost = 0, 0
+    for kind, family in product(KINDS, FAMILIES):
+        lines = family(kind, np.random.default_rng(274), 40)
+        enter, leave = found = meet(kind, *lines)
+        wrong += np.count_nonzero(judged(found, kind, *lines))
+        # The judge sees a touch that is lost.
+        strict = np.where(enter < leave, found, [[np.inf], [-np.inf]])
+        lost += np.count_nonzero(judged(strict, kind, *lines))
+    assert lost > 250
+    judge("rod-promise", wrong == 0)
     # A truncated cone by its definition: the radius grows with the share of the axis. The depth
     # below its wall is concave along lines, so that what is inside is an interval.
     t = np.linspace(-3, 3, 82)
