@@ -25,15 +25,10 @@ BACK = m2 * n1 / m1, m3 * n1 / (k * (n1 - m1) + n1)  # n2 and n3, as printed aft
 
 
 def test_eq13_cone(judge):
-    alpha, s = sp.symbols("alpha s", positive=True)
-    out = s * sp.sin(alpha)
-    ruling = {n1: out * sp.cos(theta), n2: out * sp.sin(theta), n3: -s * sp.cos(alpha)}
-    on_it = zero(EQ13.subs(ruling).subs(k, sp.tan(alpha) ** 2))
-    # Elsewhere it isn't zero: at a distance rho from the axis it is only at the cone's height.
+    # At a distance rho from the axis it is zero at the cone's height, and only there.
     rho, height, tan = sp.symbols("rho height tan", positive=True)
     anywhere = {n1: rho * sp.cos(theta), n2: rho * sp.sin(theta), n3: -height, k: tan**2}
-    nowhere_else = zero(EQ13.subs(anywhere) - (rho - height * tan) * (rho + height * tan))
-    judge("eq13", on_it and nowhere_else)
+    judge("eq13", zero(EQ13.subs(anywhere) - (rho - height * tan) * (rho + height * tan)))
 
 
 def test_eq13_k(judge):
@@ -43,7 +38,6 @@ def test_eq13_k(judge):
     printed, corrected = half**2, sp.tan(alpha) ** 2
     rim = EQ13.subs({n1: 3, n2: 0, n3: -4})
     judge("eq13-k", zero(rim.subs(k, printed)), right=zero(rim.subs(k, corrected)))
-    assert corrected == sp.Rational(9, 16)
     # A second way: the listing, and the library's cone, on which that circle is.
     assert abs(Cone(np.arctan(0.75)).implicit((3, 0, -4))) < 1e-14
     assert abs(Cone(np.arctan(0.75) / 2).implicit((3, 0, -4))) > 7  # alpha/2
@@ -220,7 +214,6 @@ def test_eq18_branch(judge):
     judge("eq18-branch", cases={"Phi_f below a right angle": ends_at_q(printed, narrow),
                                 "Phi_f past a right angle": ends_at_q(printed, wide)})  # fmt: skip
     assert sp.N(Phi_f.subs(narrow)) < sp.pi.evalf() / 2 < sp.N(Phi_f.subs(wide))
-    assert sp.N(printed.subs(wide)) < 0
 
 
 def plane_meets_line(p, q, plane, sign):
@@ -291,7 +284,6 @@ def test_planes_normal_to_surface(judge):
     normal_to_surface = zero(gradient.dot(plane))
     normal_to_chord = zero(chord.cross(plane))
     judge("planes-normal", normal_to_surface and not normal_to_chord)
-    assert zero(chord.cross(plane)[0] + (H - h) * sp.cos(theta))  # 0 at h = H only
 
 
 def test_LN_closed_form(judge):
@@ -320,32 +312,29 @@ def test_good_approximation(judge):
                                   "by what is between them": across < 0.01 * length})  # fmt: skip
 
 
-def steps_along(chord, steps):
-    """Return the lengths of steps on the development, of equal u and of equal t along the chord."""
-    share = np.linspace(0, 1, steps + 1)
+def unevenness(chord):
+    """Return the longest over the shortest of ten steps of equal u, and of equal t along PQ."""
+    share = np.linspace(0, 1, 11)
     P, Q = chord.chord_point([0.0, chord.turn])
     feet = chord.cone.feet(P + share[:, None] * (Q - P))[:, 0]
     turned = np.unwrap(np.arctan2(feet[:, 1], feet[:, 0]))
     plain = chord.cone.development(np.linalg.norm(feet, axis=-1), turned)
-    return [np.linalg.norm(np.diff(path, axis=0), axis=-1) for path in (chord.path(share), plain)]
-
-
-def unevenness(steps):
-    return steps.max() / steps.min()
+    paths = chord.path(share), plain
+    steps = [np.linalg.norm(np.diff(path, axis=0), axis=-1) for path in paths]
+    return [lengths.max() / lengths.min() for lengths in steps]
 
 
 def test_equal_steps_along_chord(judge):
     # "Obviously will not produce equally spaced points N": nor does the path's own rule exactly.
-    by_azimuth, plain = steps_along(ConeChord(*shared.EXAMPLE_CONE), 10)
-    judge("equal-steps", unevenness(plain) > 1.2)
-    assert unevenness(by_azimuth) < unevenness(plain)
+    by_azimuth, plain = unevenness(ConeChord(*shared.EXAMPLE_CONE))
+    judge("equal-steps", plain > 1.2)
+    assert by_azimuth < plain
 
 
 def test_steps_of_equal_u(judge):
     # "Close to equal", let it be a quarter more or less: the example's ten steps are, a wide
     # turn's aren't; and only from f = 1/4 on, of these, is it worth more than equal t.
-    found = {f: [unevenness(steps) for steps in steps_along(ConeChord(1, 1, 0.5, f), 10)]
-             for f in (0.1, 0.25, 0.4)}  # fmt: skip
+    found = {f: unevenness(ConeChord(1, 1, 0.5, f)) for f in (0.1, 0.25, 0.4)}
     judge("close-to-equal", cases={"a quarter turn": found[0.25][0] < 1.25,
                                    "four tenths of a turn": found[0.4][0] < 1.25})  # fmt: skip
     assert np.round(found[0.25], 3).tolist() == [1.189, 1.280]
