@@ -14,6 +14,7 @@ from exhibits import rod_cases as cases
 from exhibits.exact_shapes import exact_intervals, judged, judged_rods, rod_rows
 from exhibits.rod_methods import METHODS, crossings, three_surfaces
 from tests.hard_lines import FAMILIES, KINDS, meet
+from tests.symbols_tunneller import zero
 from tunneller_lib.kernels.vectors import differences, scalar_products
 from tunneller_lib.surfaces import Frustum, Rod, meet_box
 from tunneller_lib.surfaces.rod import meet_rods
@@ -32,10 +33,6 @@ OFF = v * SHARE - p
 QUADRATIC = z**2 * (vz**2 - vsq) + 2 * z * vq * vz + vq**2 + r**2 * vsq - q.dot(q) * vsq
 ROD = Rod((0, 0, 0), (90, 0, 120), 25)
 UP = (0, 0, 1)
-
-
-def zero(expression):
-    return sp.simplify(sp.expand(expression)) == 0
 
 
 def in_plane(expression):
@@ -523,6 +520,9 @@ def test_interval_between_the_planes(judge):
 
 def test_part_two(judge):
     judge("rod-part-two", missing="part two: the note stops before it")
+    # The line grown to a box.
+    lying = Rod((0, 0, 0), (8, 0, 0), 2)
+    np.testing.assert_allclose(meet_box(lying, (3, 1), (4, 9)), (-np.sqrt(3), np.sqrt(3)))
 
 
 def test_promise_for_all_solids(judge):
