@@ -64,7 +64,7 @@ def exact(start, stop, ticks):
 
 
 def test_position_control(judge):
-    # A controller that is only fed the set-values lags a ramp by v / Kv, whatever the plant.
+    # A controller that is only fed the set-values lags a ramp by v / Kv.
     ramp = 0.1 * 0.005 * np.arange(2001)
     plant = motion.Lag(0.5, 0.02)
     alone = follow(plant, Loop(10.0, 0.005), ramp)
@@ -207,9 +207,9 @@ def test_float_time(judge):
     times = {}
     for processor in {processor for processor, _ in rows}:
         dearest = int(rows[processor, "integer line, a tick"]["most"])
-        cheapest = (rows[processor, f"{part}, a tick"]["least"]
-                    for part in ("the listing", "y = k x + d"))  # fmt: skip
-        times[processor] = min(map(int, cheapest)) / dearest
+        cheapest = min(int(rows[processor, f"{part}, a tick"]["least"])
+                       for part in ("the listing", "y = k x + d"))  # fmt: skip
+        times[processor] = cheapest / dearest
     simple = {p: n for p, n in times.items() if p != "Cortex-M4 with FPU"}
     judge("float-time", len(simple) == 3 and min(simple.values()) > 4)
     # With a unit for floating point it isn't so: such a controller isn't a simple one.
@@ -521,8 +521,7 @@ def test_axes_in_real_time(judge, monkeypatch):
             block(bLoad=False)
             costs.append([sum(map(counted.count, kind)) for kind in
                           (("+", "-"), ("<", ">=", ">"), ("/", "MOD", "*"))])  # fmt: skip
-    most = np.max(costs, axis=0).tolist()
-    judge("axes-in-real-time", most == [3, 1, 0])
+    judge("axes-in-real-time", np.max(costs, axis=0).tolist() == [3, 1, 0])
 
 
 # ---- 4.4: multitasking ----------------------------------------------------------------------
