@@ -240,10 +240,7 @@ def test_eq19_row_m3(judge):
     printed = plane_meets_line(p, q, plane, +1)
     corrected = plane_meets_line(p, q, plane, -1)
 
-    def meets(point):
-        return zero(point.dot(plane))
-
-    judge("eq19", meets(printed), right=meets(corrected))
+    judge("eq19", zero(printed.dot(plane)), right=zero(corrected.dot(plane)))
     assert zero(corrected - ON_BOTH)  # on the line, too
     assert zero((printed - corrected)[:3, 0])
     # A second way: with the document's own P, Q and plane only the corrected row gives its M.
