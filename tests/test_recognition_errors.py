@@ -35,14 +35,8 @@ from tunneller_lib.envelopes.kinds import KINDS, turn_of_eq11
 EPS = np.finfo(float).eps
 POINTS = 12
 
-
-def jet_of(seed, count=15):
-    """Return a jet with random coefficients at 12 points."""
-    return Jet(np.random.default_rng(seed).normal(size=(count, POINTS)))
-
-
-JET = jet_of(5)
-OFF = Jet(1e-9 * np.abs(jet_of(6).c))
+JET = Jet(np.random.default_rng(5).normal(size=(15, POINTS)))
+OFF = Jet(1e-9 * np.abs(np.random.default_rng(6).normal(size=(15, POINTS))))
 ANGLES = np.random.default_rng(7).uniform(0, 2 * np.pi, (POINTS, 5))
 
 # ---- two conditions of each class -----------------------------------------------------------
