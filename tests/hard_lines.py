@@ -204,13 +204,12 @@ def _floats(kind, rng, n, spread, placed=1):
     Those that are placed are anywhere, the others begin at the origin, so that their axes keep
     every digit.
     """
-    placed = np.broadcast_to(placed, n)
     high, start, end = sizes = powers(rng, -spread, spread, (3, n))
     axis, other = rng.normal(size=(2, n, 3))
     axis *= (high / lengths(axis))[:, None]
     side = np.cross(axis, other)
     side /= lengths(side)[:, None]
-    at = rng.normal(size=(n, 3)) * sizes.max(axis=0)[:, None] * placed[:, None]
+    at = rng.normal(size=(n, 3)) * sizes.max(axis=0)[:, None] * np.reshape(placed, (-1, 1))
     if kind == "box":
         third = np.cross(axis, side)
         third /= lengths(third)[:, None]
