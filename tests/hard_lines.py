@@ -14,7 +14,6 @@ from exhibits.rod_cases import TRIPLES, whole_rotations
 from tunneller_lib.surfaces import Box, Frustum, Rod
 from tunneller_lib.surfaces.rod import meet_rods
 
-EPS = np.finfo(float).eps
 KINDS = ("rod", "capsule", "frustum", "box")
 WITH_AXES = ("rod", "capsule", "frustum")
 BALL = np.array([[2, 3, 6], [6, 2, 3], [3, 6, 2], [0, 0, 7]])  # 7 from the origin
@@ -34,6 +33,7 @@ class Whole:
         wide = np.where(proportion == 0, 16, 16 * rng.integers(1, 5, n))
         high = np.where(proportion == 1, 4, 4 * rng.integers(1, 60, n) * 65)
         self.share = rng.choice(SHARES, n)
+        self.end = e3
         if kind == "box":
             size = np.stack([wide * 65, wide * rng.integers(1, 65, n), high], axis=-1)
             edges = np.moveaxis(matrix, -1, 1) * size[..., None]
@@ -44,7 +44,6 @@ class Whole:
             self.point = at + np.where(turn > 0, edges[:, 0], 0)
             self.point += edges[:, 1] // 4 * other[:, None] + edges[:, 2] // 4 * self.share[:, None]
             self.normal, self.side, self.ruling = turn * e1, e2, e3
-            self.end = e3
             self.size = N * (size.sum(axis=-1))
             return
         v = e3 * high[:, None]
@@ -68,7 +67,6 @@ class Whole:
         self.ruling = v + last - first
         self.point = at + first + self.ruling // 4 * self.share[:, None]
         self.normal = out * high[:, None] + e3 * (unit * (steps[0] - steps[1]))[:, None]
-        self.end = e3
         self.size = np.maximum(start, end) + high * N
         if kind == "capsule":  # half of the points are on the balls
             quad = BALL[rng.integers(0, len(BALL), n)] * 65 * rng.choice([-1, 1], (n, 3))
@@ -79,9 +77,9 @@ class Whole:
             self.point = np.where(ball, centre + away * steps[0][:, None], self.point)
             self.normal = np.where(ball, away, self.normal)
             side = np.cross(e1, away)
-            self.side = np.where(ball & np.any(side, axis=-1)[:, None], side, self.side)
-            turned = np.cross(away, side)
-            self.ruling = np.where(ball & np.any(side, axis=-1)[:, None], turned, self.ruling)
+            ball &= np.any(side, axis=-1)[:, None]
+            self.side = np.where(ball, side, self.side)
+            self.ruling = np.where(ball, np.cross(away, side), self.ruling)
 
     def lines(self, u, shift=0):
         """Return the shapes with lines along u through their points, moved by a shift."""
@@ -96,6 +94,10 @@ def powers(rng, low, high, shape):
     """Return numbers of any mantissa, about 10^low to 10^high."""
     steps = rng.integers(round(low * 10 / 3), round(high * 10 / 3) + 1, shape)
     return np.ldexp(rng.uniform(0.5, 1, shape), steps)
+
+
+def lengths(v):
+    return np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2 + v[:, 2] ** 2)
 
 
 def some(rng, n):
@@ -152,8 +154,8 @@ def grazes(kind, rng, n):
     """Tangents moved in or out by 2^-52 to 2^-20 of the shape."""
     whole = Whole(kind, rng, n)
     turn = rng.integers(-5, 6, (2, n, 1))
-    length = np.sqrt(np.sum(whole.normal.astype(float) ** 2, axis=-1))
-    move = whole.size * 2.0 ** -rng.integers(20, 53, n) * rng.choice([-1, 1, 1], n) / length
+    move = whole.size * 2.0 ** -rng.integers(20, 53, n) * rng.choice([-1, 1, 1], n)
+    move /= lengths(whole.normal.astype(float))
     return whole.lines(whole.side * turn[0] + whole.ruling * turn[1], whole.normal * move[:, None])
 
 
@@ -162,8 +164,7 @@ def leaning(kind, rng, n):
     whole = Whole(kind, rng, n)
     which = rng.integers(0, 3, n)[:, None]
     u = np.select([which == 0, which == 1], [whole.ruling, whole.end], whole.side).astype(float)
-    length = np.sqrt(np.sum(u * u, axis=-1))
-    lean = length * 2.0 ** -rng.integers(10, 54, n)
+    lean = lengths(u) * 2.0 ** -rng.integers(10, 54, n)
     return whole.lines(u + rng.normal(size=(n, 3)) * lean[:, None])
 
 
@@ -197,32 +198,25 @@ def scaled(kind, rng, n):
     return shapes * scale, p * scale, u * 2.0 ** rng.integers(-280, 280, n)[:, None]
 
 
-def _lengths(v):
-    return np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2 + v[:, 2] ** 2)
-
-
 def _floats(kind, rng, n, spread, placed=1):
     """Return shapes of full mantissa whose sizes differ by 10^spread, and a point on each.
 
     Those that are placed are anywhere, the others begin at the origin, so that their axes keep
     every digit.
     """
-    placed = np.broadcast_to(placed, n)
-    sizes = powers(rng, -spread, spread, (3, n))
+    high, start, end = sizes = powers(rng, -spread, spread, (3, n))
     axis, other = rng.normal(size=(2, n, 3))
-    axis *= (sizes[0] / _lengths(axis))[:, None]
+    axis *= (high / lengths(axis))[:, None]
     side = np.cross(axis, other)
-    side /= _lengths(side)[:, None]
-    at = rng.normal(size=(n, 3)) * sizes.max(axis=0)[:, None] * placed[:, None]
-    start, end = sizes[1], sizes[2]
+    side /= lengths(side)[:, None]
+    at = rng.normal(size=(n, 3)) * sizes.max(axis=0)[:, None] * np.reshape(placed, (-1, 1))
     if kind == "box":
         third = np.cross(axis, side)
-        third /= _lengths(third)[:, None]
+        third /= lengths(third)[:, None]
         edges = np.stack([axis, side * start[:, None], third * end[:, None]], axis=1)
         shapes = np.concatenate([at, edges.reshape(n, 9)], axis=-1)
         return shapes, at + (edges * rng.choice([0, 0.5, 1], (n, 3, 1))).sum(axis=1)
-    same = kind != "frustum"
-    end = start if same else np.where(rng.random(n) < 0.3, 0, end)
+    end = np.where(rng.random(n) < 0.3, 0, end) if kind == "frustum" else start
     shapes = np.concatenate([at, at + axis, start[:, None], end[:, None], np.zeros((n, 4))], -1)
     share = rng.choice([0, 0.3, 1], n)
     wide = start + share * (end - start)
@@ -240,7 +234,7 @@ def proportions(kind, rng, n):
     shapes, p = _floats(kind, rng, n, 9, placed=rng.integers(0, 2, n))
     u = rng.normal(size=(n, 3))
     axis = shapes[:, 3:6] - (shapes[:, :3] if kind in WITH_AXES else 0)
-    length = _lengths(axis)
+    length = lengths(axis)
     unit = axis / np.where(length > 0, length, 1)[:, None]
     # A third of the lines nearly along the axis, and a third nearly across it.
     along = np.sum(u * unit, axis=-1)[:, None] * unit
@@ -248,8 +242,8 @@ def proportions(kind, rng, n):
     which = rng.integers(0, 3, n)[:, None]
     u = np.select([which == 0, which == 1], [along + lean * u, u - along + lean * u], u)
     # Lengths below the last digit of the place are none.
-    gone = length == 0
     if kind in WITH_AXES:
+        gone = length == 0
         shapes[gone, 3:6] = shapes[gone, :3] + np.maximum(np.abs(shapes[gone, :3]), 1)
     return shapes, p, u
 
@@ -295,19 +289,17 @@ def limits(kind, rng, n):
     out = pair[:, :1] * e1 + pair[:, 1:] * e2  # 5 N long
     side = pair[:, :1] * e2 - pair[:, 1:] * e1
     at = rng.integers(-9, 10, (n, 3)) * scale[:, None] * rng.integers(0, 2, n)[:, None]
-    rows = [size[:, None] for size in (first, last, high, share)]
+    r1, r2, h, m = (size[:, None] for size in (first, last, high, share))
     if kind == "box":
-        edges = e1 * rows[0], e2 * rows[1], e3 * rows[2]
+        edges = e1 * r1, e2 * r2, e3 * h
         shapes = np.concatenate([at, *edges], axis=-1)
         p = at + sum(edge * rng.choice([0, 0.5, 1], (n, 1)) for edge in edges)
     else:
-        b = at + e3 * rows[2]
-        shapes = np.concatenate([at, b, 5 * N[:, None] * np.concatenate(rows[:2], -1),
-                                 np.zeros((n, 4))], axis=-1)  # fmt: skip
-        p = at + e3 * (rows[2] * rows[3]) + out * (rows[0] + (rows[1] - rows[0]) * rows[3])
+        radii = 5 * N[:, None] * np.concatenate([r1, r2], axis=-1)
+        shapes = np.concatenate([at, at + e3 * h, radii, np.zeros((n, 4))], axis=-1)
+        p = at + e3 * (h * m) + out * (r1 + (r2 - r1) * m)
     way = rng.integers(0, 5, n)[:, None]
-    u = np.select([way == 0, way == 1, way == 2, way == 3], [e3, side, out + 5 * e3, out],
-                  some(rng, n))  # fmt: skip
+    u = np.choose(way, [e3, side, out + 5 * e3, out, some(rng, n)])
     # Seen end-on a needle has no size, or one so small that nothing is promised.
     needle = (kind in WITH_AXES) & (1e15 * np.maximum(first, last) < 2 * high)
     end_on = np.all(np.cross(u, e3) == 0, axis=-1)
@@ -318,7 +310,6 @@ def limits(kind, rng, n):
 
 FAMILIES = (touches, tangents, rulings, ends, axial, tips, grazes, leaning, far, from_far, scaled,
             floats, proportions, sizes, ordinary, limits)  # fmt: skip
-TOUCHING = (touches, tangents, rulings, ends, axial, tips, far)
 
 
 def shape_of(kind, row):

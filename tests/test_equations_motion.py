@@ -6,11 +6,10 @@ report/ledger/tunneller.toml.
 """
 
 import csv
-import math
 import re
 from fractions import Fraction
 from functools import partial
-from math import floor, trunc
+from math import ceil, floor, trunc
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +35,7 @@ READS = ["report/ledger/*", "report/listings.toml", "tests/references/controller
 CYCLES = Path(__file__).parent / "references" / "controller_cycles.csv"
 
 HALF = Fraction(1, 2)
+COUNT = 2 * np.pi / 2**16  # of an encoder, in rad
 PLOT = [5, 7, 10, 12, 15, 17, 20, 22, 25, 27, 30]
 FAST = [tasks.Task("interpolation", 5000, 400), tasks.Task("servo", 5000, 600)]
 
@@ -49,11 +49,11 @@ def listed(start, stop, ticks=10, T=1, *, number=Fraction, division=floor, repai
     return y
 
 
-def there(count):
+def there():
     """Return set-values, in rad, of a move of both joints in 3 s, held for 3 s at its end."""
-    start, stop = (np.rint(np.radians(pose) / count).astype(int) for pose in ((-20, -15), (15, 20)))
+    start, stop = (np.rint(np.radians(pose) / COUNT).astype(int) for pose in ((-20, -15), (15, 20)))
     move = time_bresenham(start, stop, 600).T
-    return count * np.vstack([move, np.repeat(move[-1:], 600, axis=0)])
+    return COUNT * np.vstack([move, np.repeat(move[-1:], 600, axis=0)])
 
 
 def exact(start, stop, ticks):
@@ -64,11 +64,11 @@ def exact(start, stop, ticks):
 
 
 def test_position_control(judge):
-    # A controller that is only fed the set-values lags a ramp by v / Kv, whatever the plant.
+    # A controller that is only fed the set-values lags a ramp by v / Kv.
     ramp = 0.1 * 0.005 * np.arange(2001)
-    for plant in (Integrator(0.5), motion.Lag(0.5, 0.02)):
-        alone = follow(plant, Loop(10.0, 0.005), ramp)
-        assert alone.error[-1] == pytest.approx(0.1 / 10.0, rel=1e-9)
+    plant = motion.Lag(0.5, 0.02)
+    alone = follow(plant, Loop(10.0, 0.005), ramp)
+    assert alone.error[-1] == pytest.approx(0.1 / 10.0, rel=1e-9)
     ahead = follow(plant, Loop(10.0, 0.005, feedforward=1.0), ramp, slopes=np.full(2000, 0.1))
     whole = follow(plant, Loop(10.0, 0.005, integral=20.0), ramp)
     tracks = {"set-values alone": alone, "the slope fed forward": ahead, "an integral part": whole}
@@ -80,18 +80,16 @@ def test_encoders_and_valves(judge):
     judge("encoders-and-valves", missing="the machine, and any size of what drives and measures it")
     # In a model of that kind, two encoders of 16 bits, two loops and two valves with compressible
     # oil behind them, both joints come to rest within half a count of their set-values.
-    count = 2 * np.pi / 2**16
     plants = [motion.Compressible(axis) for axis in motion.reference_axes(REFERENCE_MACHINE)]
-    track = follow(plants, [Loop(10.0, 0.005, count=count, delay=1)] * 2, there(count))
-    assert np.max(np.abs(track.error[-100:])) < count / 2
+    track = follow(plants, [Loop(10.0, 0.005, count=COUNT, delay=1)] * 2, there())
+    assert np.max(np.abs(track.error[-100:])) < COUNT / 2
 
 
 def test_direct_kinematics(judge):
     # Loops that know no more than angles and encoders bring both joints to where they should be.
-    count = 2 * np.pi / 2**16
-    wanted = there(count)
-    track = follow(Integrator(0.5), [Loop(10.0, 0.005, count=count)] * 2, wanted)
-    arrives = np.max(np.abs(track.error[-100:])) < count / 2
+    wanted = there()
+    track = follow(Integrator(0.5), [Loop(10.0, 0.005, count=COUNT)] * 2, wanted)
+    arrives = np.max(np.abs(track.error[-100:])) < COUNT / 2
     # Where a path starts the angles alone don't say: it depends on the radii, as Eq. 1 has them.
     starts = [Torus(*radii).point(*wanted[0]) for radii in ((0.08, 0.8), (0.2, 1.5))]
     judge("direct-kinematics", cases={"the point P": not np.allclose(*starts, atol=0.1),
@@ -102,10 +100,8 @@ def test_increments_from_adjacent_points(judge):
     torus = REFERENCE_MACHINE.torus
     path = project_chord(torus, (-0.9, -0.5), (0.4, 0.6), 41)
     x, y, z = torus.point(*path.T).T  # the points N
-    theta = np.arctan2(-z, x)
-    phi = np.arctan2(y, np.hypot(x, z) - torus.r)
-    increments = np.diff([theta, phi])
-    judge("increments", np.allclose(increments, np.diff(path.T), rtol=0, atol=1e-14))
+    angles = np.arctan2(-z, x), np.arctan2(y, np.hypot(x, z) - torus.r)
+    judge("increments", np.allclose(np.diff(angles), np.diff(path.T), rtol=0, atol=1e-14))
 
 
 def away_from_line(gains, tick=0.001):
@@ -116,35 +112,29 @@ def away_from_line(gains, tick=0.001):
     return abs(np.cross([*way, 0], [*track.error[-1], 0])[2])
 
 
-def away_from_circle(gains, radius=0.3, tick=0.001):
-    """Return by how much, in rad, positions leave a circle run at 0.1 rad/s."""
-    turn = 0.1 / radius * tick * np.arange(20_001)
-    wanted = radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    track = follow(Integrator(0.5), [Loop(gain, tick) for gain in gains], wanted)
-    return np.max(np.abs(np.hypot(*track.position[1000:].T) - radius))
-
-
 def test_independent_controllers(judge):
     # On a straight line loops of one gain are late together; others leave it by
     # v sin cos (1/Kv - 1/Kv'). From a curve they depart inwards, even if they are alike.
     alike, unlike = (10.0, 10.0), (10.0, 8.0)
+    turn = 0.1 / 0.3 * 0.001 * np.arange(20_001)
+    circle = 0.3 * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    track = follow(Integrator(0.5), Loop(10.0, 0.001), circle)
+    away_from_circle = np.max(np.abs(np.hypot(*track.position[1000:].T) - 0.3))
     judge("independent-controllers", cases={
         "a straight line, loops alike": away_from_line(alike) < 1e-9,
         "a straight line, loops unlike": away_from_line(unlike) < 1e-9,
-        "a circle, loops alike": away_from_circle(alike) < 1e-9})  # fmt: skip
+        "a circle, loops alike": away_from_circle < 1e-9})  # fmt: skip
     v, a, b, s = 0.1, *unlike, np.radians(40)
     law = v * np.sin(s) * np.cos(s) * abs(1 / a - 1 / b)
     assert away_from_line(unlike) == pytest.approx(law, rel=1e-6)
-    assert 1.2e-3 < law < 1.3e-3
     inwards = 0.3 * (1 - 1 / np.hypot(1, v / 0.3 / a))
-    assert away_from_circle(alike) == pytest.approx(inwards, rel=0.02)
-    assert 1.6e-4 < inwards < 1.7e-4 and away_from_circle(unlike) > 6 * inwards
+    assert away_from_circle == pytest.approx(inwards, rel=0.02)
 
 
-def moved_in_segments(whole):
-    """Return set-values, in rad, of equal moves of 6.5 ticks at 0.1 rad/s, or of `whole` ticks."""
+def moved_in_segments(ticks):
+    """Return set-values, in rad, of equal moves at 0.1 rad/s whose knots are `ticks` apart."""
     fine, tick = 1e-7, 0.005
-    times = tick * (whole or 6.5) * np.arange(600)
+    times = tick * ticks * np.arange(600)
     knots = np.rint(0.1 * times / fine).astype(int)
     return fine * motion.polyline(knots[:, None], motion.tick_counts(times, tick))[:, 0]
 
@@ -158,19 +148,14 @@ def test_resonance_intervals(judge):
     assert period < 0.51 / 8.0  # the loop's time is 1/Kv
     # And equal: where segments of 6.5 ticks get 6 or 7, ticks as short as that shake it, too.
     shaken = []
-    for whole in (None, 6):
-        track = follow(plant, Loop(8.0, 0.005), moved_in_segments(whole))
+    for ticks in (6.5, 6):
+        track = follow(plant, Loop(8.0, 0.005), moved_in_segments(ticks))
         shaken.append(np.ptp(np.diff(track.position[1000:])) / 0.005 / 0.1)
     assert 0.005 < period / 10 and shaken[0] > 0.08 and shaken[1] < 1e-9
     judge("resonance-intervals", cases={
         "a tenth of the resonance's period": shorter < 0.01,
         "half of the loop's time": at_period < 0.01,
         "shorter, segments rounded to it": bool(shaken[0] < 0.01)})  # fmt: skip
-    assert at_period > 0.5 and shorter < 2e-3 * at_period
-    # 2 |G| for harmonic 1: a velocity of height 2 v per sine, from the sawtooth of height v T.
-    t, v, T = sp.symbols("t v T", positive=True)
-    sawtooth = sp.integrate(-v * t * sp.sin(2 * sp.pi * t / T), (t, 0, T)) * 2 / T
-    assert sp.simplify(sawtooth * 2 * sp.pi / T) == 2 * v
 
 
 def test_straight_moves(judge):
@@ -192,20 +177,17 @@ def test_straight_moves(judge):
 
 def test_equal_increments(judge):
     # "increments of equal displacement during an equal time interval"
-    assert len({*np.diff(PLOT).tolist()}) == 2
     equal = {True: [], False: []}
     for difference in range(-60, 61):
         for ticks in range(1, 30):
-            steps = {*np.diff(time_bresenham(0, difference, ticks)).tolist()}
+            setvalues = time_bresenham(0, difference, ticks)
+            steps = {*np.diff(setvalues).tolist()}
             assert steps <= {difference // ticks, difference // ticks + 1}
-            divides = difference % ticks == 0
-            assert (len(steps) == 1) == divides
-            equal[divides].append(len(steps) == 1)
-            ideal = np.arange(ticks + 1) * difference
-            off = ticks * time_bresenham(0, difference, ticks) - ideal
+            equal[difference % ticks == 0].append(len(steps) == 1)
+            off = ticks * setvalues - np.arange(ticks + 1) * difference
             assert np.max(np.abs(off)) <= ticks / 2  # half a count
     # From segment to segment: equal moves of 6.5 ticks get 6 or 7, and increments differ by 1/6.
-    rounded, whole = (np.diff(moved_in_segments(ticks)) for ticks in (None, 6))
+    rounded, whole = (np.diff(moved_in_segments(ticks)) for ticks in (6.5, 6))
     alike = [bool(np.ptp(steps) < 1.5e-7) for steps in (rounded, whole)]  # to a count and a half
     assert rounded.max() / rounded.min() == pytest.approx(7 / 6, rel=1e-3)
     judge("equal-increments", cases={"N divides D": all(equal[True]),
@@ -225,9 +207,9 @@ def test_float_time(judge):
     times = {}
     for processor in {processor for processor, _ in rows}:
         dearest = int(rows[processor, "integer line, a tick"]["most"])
-        cheapest = (rows[processor, f"{part}, a tick"]["least"]
-                    for part in ("the listing", "y = k x + d"))  # fmt: skip
-        times[processor] = min(map(int, cheapest)) / dearest
+        cheapest = min(int(rows[processor, f"{part}, a tick"]["least"])
+                       for part in ("the listing", "y = k x + d"))  # fmt: skip
+        times[processor] = cheapest / dearest
     simple = {p: n for p, n in times.items() if p != "Cortex-M4 with FPU"}
     judge("float-time", len(simple) == 3 and min(simple.values()) > 4)
     # With a unit for floating point it isn't so: such a controller isn't a simple one.
@@ -245,14 +227,13 @@ def test_dda_errors(judge):
 
 
 def test_dda_without_a_product(judge):
-    # By sums alone, counted; without rounding it is the line itself.
+    # By one sum a step alone; without rounding it is the line itself.
     same = []
     for k, d, steps in [(Fraction(5, 2), 5, 10), (Fraction(-7, 3), 40, 99), (Fraction(1, 7), 0, 5)]:
-        value, values, sums = Fraction(d), [Fraction(d)], 0
+        values = [Fraction(d)]
         for _ in range(steps):
-            value, sums = value + k, sums + 1
-            values.append(value)
-        same.append(values == [k * x + d for x in range(steps + 1)] and sums == steps)
+            values.append(values[-1] + k)
+        same.append(values == [k * x + d for x in range(steps + 1)])
     judge("dda-product", len(same) == 3 and all(same))
 
 
@@ -280,20 +261,19 @@ def test_carry(judge):
             together.append(setvalues[-1] + fraction == y)
             assert 0 <= block.state["nRest"] < ticks
             block(bLoad=False)
-        carries |= {step - (stop - start) // ticks for step in np.diff(setvalues).tolist()}
+        carries |= {*(np.diff(setvalues) - (stop - start) // ticks).tolist()}
     judge("carry", len(together) == 32 and all(together) and carries == {0, 1})
 
 
 def test_major_axis(judge):
     # As the conventional algorithm counts the steps of the longer axis, no axis moves by more
     # than one; with fewer steps, as with time, some must.
-    longest = {"counted": [], "fewer": []}
-    for dx, dy in [(10, 3), (4, 9), (-7, 5), (6, -6)]:
-        major = max(abs(dx), abs(dy))
-        for kind, ticks in (("counted", major), ("fewer", major - 1)):
-            steps = np.diff(time_bresenham([0, 0], [dx, dy], ticks))
-            longest[kind].append(np.max(np.abs(steps)))
-    judge("major-axis", len(longest["counted"]) == 4 and max(longest["counted"]) <= 1)
+    def longest(move, ticks):
+        return np.max(np.abs(np.diff(time_bresenham([0, 0], move, ticks))))
+
+    moves = {(10, 3): 10, (4, 9): 9, (-7, 5): 7, (6, -6): 6}
+    judge("major-axis", all(longest(move, major) == 1 for move, major in moves.items()))
+    assert all(longest(move, major - 1) == 2 for move, major in moves.items())
 
 
 def test_display_interpolation(judge):
@@ -303,10 +283,10 @@ def test_display_interpolation(judge):
     rng = np.random.default_rng(13)
     for _ in range(50):
         start, stop = rng.integers(-1000, 1000, (2, 6))
-        ticks = int(max(1, np.max(np.abs(stop - start)[:2])))  # the longer axis on the screen
-        found = time_bresenham(start, stop, ticks).tolist()
-        for axis, first, last in zip(found, start.tolist(), stop.tolist(), strict=True):
-            assert axis == [floor(y + HALF) for y in exact(first, last, ticks)]
+        way = stop - start
+        ticks = max(1, np.max(np.abs(way[:2])))  # the longer axis on the screen
+        rounded = (2 * np.outer(way, np.arange(ticks + 1)) + ticks) // (2 * ticks)
+        np.testing.assert_array_equal(time_bresenham(start, stop, ticks), start[:, None] + rounded)
 
 
 # ---- 4.2: slopes above 1 --------------------------------------------------------------------
@@ -332,17 +312,15 @@ def test_fast_division(judge):
 
 def test_slope_above_one(judge):
     # Once a move, as the listing prepares it; in whole numbers the remainder needs a product too.
-    text = line_text(parts=1)
-    preparation, tick = text.split("\nELSIF ")
+    preparation, tick = line_text(parts=1).split("\nELSIF ")
     once = [preparation.count(f"(nStop - nStart) {sign} ") for sign in ("/", "MOD")] == [1, 1]
     never = not any(operator in tick for operator in ("/", "MOD", "*"))
     fraction, remainder = [], []
     for difference, ticks in [(25, 10), (7, 3), (1000, 37)]:
-        slope = Fraction(difference, ticks)  # nx, and nxi is the quotient
-        quotient = difference // ticks
-        assert slope > 1 and difference % ticks == difference - quotient * ticks
-        fraction.append(slope - quotient == Fraction(difference % ticks, ticks))
-        remainder.append(difference - quotient == difference % ticks)
+        nx, nxi, rest = Fraction(difference, ticks), difference // ticks, difference % ticks
+        assert nx > 1 and rest == difference - nxi * ticks
+        fraction.append(nx - nxi == Fraction(rest, ticks))
+        remainder.append(difference - nxi == rest)
     judge("division-modulo",
           cases={"the listing's fraction": once and never and all(fraction),
                  "the remainder of whole numbers": all(remainder)})  # fmt: skip
@@ -359,15 +337,13 @@ def test_listing_plot(judge):
 
 def test_listing_floats(judge):
     # nx and e are no integers; in floating point some ties tip over. Scaled by N nothing does.
-    def as_in_whole_numbers(ticks, k, number):
-        return listed(0, k, ticks, number=number) == in_whole_numbers(ticks, k)
-
-    def in_whole_numbers(ticks, k):
-        return time_bresenham(0, k, ticks, tie="down").tolist()
+    def as_in_whole_numbers(ticks, k):
+        in_whole_numbers = time_bresenham(0, k, ticks, tie="down").tolist()
+        return listed(0, k, ticks, number=float) == in_whole_numbers
 
     judge("line-float", cases={
-        "0 to 25 in ten steps": as_in_whole_numbers(10, 25, float),
-        "0 to 13 in thirty steps": as_in_whole_numbers(30, 13, float)})  # fmt: skip
+        "0 to 25 in ten steps": as_in_whole_numbers(10, 25),
+        "0 to 13 in thirty steps": as_in_whole_numbers(30, 13)})  # fmt: skip
 
 
 def test_listing_slope(judge):
@@ -392,11 +368,7 @@ def test_listing_division(judge):
 
     judge("line-division", cases={"a rising line": simulates(5, 30),
                                   "a falling line": simulates(30, 5)})  # fmt: skip
-    assert (trunc(-2.5), floor(-2.5)) == (-2, -3)
     assert listed(30, 5, division=trunc)[-1] == 10 and listed(30, 5)[-1] == 5
-    # Two statements make the truncated quotient and remainder floored ones.
-    block = FunctionBlock(line_text(parts=1))
-    assert line(block, 30, 5, 10) == time_bresenham(30, 5, 10).tolist()
 
 
 def test_listing_quadrants(judge):
@@ -406,13 +378,13 @@ def test_listing_quadrants(judge):
     def works(line_of, tie):
         return all(line_of(*move) == time_bresenham(*move, tie=tie).tolist() for move in moves)
 
-    # The ifs of the exported text: with a division that truncates they make it work.
+    # The ifs of the exported text, two statements: with a division that truncates they make it
+    # work.
     completed = works(lambda *move: line(FunctionBlock(line_text(parts=1)), *move), "up")
     truncated = partial(listed, division=trunc)
     judge("line-quadrants", cases={
         "a division that truncates": completed and not works(truncated, "down"),
         "floor, as printed": completed and not works(listed, "down")})  # fmt: skip
-    assert all(listed(*move)[-1] == move[1] for move in moves)
 
 
 def test_listing_ties(judge):
@@ -449,18 +421,14 @@ def test_listing_ideal_line(judge):
 
 def test_listing_rectangles(judge):
     # A rectangle of height nxi must be above zero: only slopes of 1 and more are drawn.
-    def heights(k):
-        drawn = matlab_listing.run(y1=0, y2=k).drawn
-        return [corner[3] for name, *_, corner in drawn if name == "rectangle"]
-
     def shown(k):
-        return len(heights(k)) == 11 and all(height > 0 for height in heights(k))
+        drawn = matlab_listing.run(y1=0, y2=k).drawn
+        heights = [corner[3] for name, *_, corner in drawn if name == "rectangle"]
+        return len(heights) == 11 and min(heights) > 0
 
     judge("line-rectangles", cases={"a slope of 2.5": shown(25), "a slope of 1": shown(10),
                                     "a slope of 0.7": shown(7), "of 0": shown(0),
                                     "of -0.7": shown(-7), "of -2.5": shown(-25)})  # fmt: skip
-    for k in (25, 10, 7, 0, -7, -25):
-        assert heights(k) == [floor(Fraction(k, 10))] * 11
 
 
 def test_listing_continuation(judge):
@@ -496,8 +464,7 @@ def test_listing_thousand_entries(judge):
 
     judge("line-arrays", cases={"the example's ten ticks": hold(10), "999 ticks": hold(999),
                                 "1000 ticks": hold(1000)})  # fmt: skip
-    program = matlab_listing.run(t2=1500)
-    assert len(program.y_array) == 1501
+    assert len(matlab_listing.run(t2=1500).y_array) == 1501
 
 
 def test_listing_axes(judge):
@@ -554,8 +521,7 @@ def test_axes_in_real_time(judge, monkeypatch):
             block(bLoad=False)
             costs.append([sum(map(counted.count, kind)) for kind in
                           (("+", "-"), ("<", ">=", ">"), ("/", "MOD", "*"))])  # fmt: skip
-    most = np.max(costs, axis=0).tolist()
-    judge("axes-in-real-time", most == [3, 1, 0])
+    judge("axes-in-real-time", np.max(costs, axis=0).tolist() == [3, 1, 0])
 
 
 # ---- 4.4: multitasking ----------------------------------------------------------------------
@@ -581,9 +547,6 @@ def test_numerically_efficient(judge):
     dear = any(operator in tick for operator in ("/", "MOD", "*", "REAL", "."))
     declared = re.findall(r": (\w+)(?:;| :=)", text)
     judge("numerically-efficient", few and not dear and set(declared) == {"BOOL", "DINT"})
-    # Bit for bit the exact line, so that nothing is paid for in accuracy.
-    block = FunctionBlock(line_text(parts=1))
-    assert line(block, -7, 1000, 37) == [floor(y + HALF) for y in exact(-7, 1000, 37)]
 
 
 def test_two_tasks(judge):
@@ -618,7 +581,7 @@ def test_figure_seven(judge):
 def test_preparation_time(judge):
     cost = 30_000
     response = tasks.background_response(FAST, cost)
-    enough = math.ceil(response / FAST[0].period)
+    enough = ceil(response / FAST[0].period)
 
     def waited_for(ticks):
         """Return of which segments but the first the preparation is too late."""
