@@ -106,8 +106,8 @@ def _in_plane(rod, along, across, at, guard):
     w = v / length
     # Where the rod is highest in a plane, its normal has no part along the side. On the wall such
     # places are two rulings, +-r `aside`, in (across, z), from the rod's axis. The plane cuts each.
-    # In a rod that runs along the side they are all rulings, and its ends tell: then the points
-    # below are those of its axis, which are never outermost.
+    # In a rod that runs along the side every ruling is such a place, and the rod's ends tell. The
+    # points below are then those of its axis, which are points of the rod and so never too high.
     run = np.hypot(w[across], w[2])
     aside = (w[2], -w[across]) / run if run else np.zeros(2)
     for radial in (r * aside, -r * aside):
