@@ -43,12 +43,14 @@ def growth(x):
 
 def area_sine(x):
     """Return the inverse hyperbolic sine of x from 0 to 1e150."""
-    # It is the logarithm of 1 + above, or that of a power of two plus that of what is left.
+    # It is log(x + sqrt(1 + x^2)) = log(1 + above), without the 1 that would cost digits of a small
+    # x. This is power log(2) + log(1 + left), 1 + above being 2^power (1 + left).
     above = x + x * x / (1 + square_root(1 + x * x))
+    # By the factor 0.7, about sqrt(1/2), 1 + left is from 0.71 to 1.43, to both sides of 1.
     power = power_above(0.7 * (1 + above)) + 0.0
     # Where the power of two is 1 itself, `above` has the digits that 1 + above has lost.
     left = above if power == 0 else (1 + above) / two_to(power + WHOLE) - 1
-    # log(1 + left) is twice the inverse hyperbolic tangent of s, whose series is odd.
+    # log(1 + left) = 2 artanh(s) = 2 (s + s^3/3 + s^5/5 + ...), and |s| is below 0.18.
     s = left / (2 + left)
     z = s * s
     low = (((_A21 * z + _A19) * z + _A17) * z + _A15) * z + _A13

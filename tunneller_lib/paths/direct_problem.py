@@ -275,9 +275,10 @@ def half_swing(torus: Torus, clairaut: Lengths):
 class Orbit(NamedTuple):
     """The constants of a geodesic: rho = c + 2 (E + B sin^2(t)), and D = A + B sin^2(t).
 
-    The integrands have a peak at t = 0, about `width` wide in t. `free` tells whether the geodesic
-    goes round the tube; if it swings instead, D is cos^2(phi/2). `panels` is the number of panels,
-    a float, and `step` their width in y.
+    Lengths are in tube radii: the constants are those of `geodesic_root` for R = 1. The integrands
+    have a peak at t = 0, about `width` wide in t. `free` tells whether the geodesic goes round the
+    tube; if it swings instead, D is cos^2(phi/2). `panels` is the number of panels, a float, and
+    `step` their width in y.
     """
 
     c: np.ndarray
@@ -376,25 +377,30 @@ def orbit_of(r, phi, placed, sine, cosine):
     c = rho * sine
     slope = cosine * square_root(rho / (2 * (1 + sine)))  # its square is (rho - c) / 2
     k2 = half_sine * half_sine + slope * slope
-    # 1 - k^2. On a ring it is a difference, but of numbers that are small where it is small. On a
-    # spindle c = r + 1 - 2 k^2 makes a sum of it, which can't cancel.
+    # 1 - k^2. On a ring it is a difference. Where it is small it is off by some roundings of
+    # cos^2(phi/2), which are small for a start near the inner equator; (1 - r + c) / 2 would be off
+    # by a rounding of c there. On a spindle or a horn the latter is a sum, which can't cancel.
     rest = half_cosine * half_cosine - slope * slope if r > 1 else (1 - r + c) / 2
     free = rest < 0
     A = larger(abs(rest), NARROWEST * NARROWEST)
     B = 1.0 if free else k2
     E = A if free else 0.0
+    # The integrands are singular where D or rho is zero: there sin(t) is i times this width.
     width = within(square_root(ratio(smaller(A, E + c / 2), B)), NARROWEST, WIDEST)
     reach = area_sine(math.pi / 2 / width)
     panels = whole_part(reach / PANEL + 0.5)
     orbit = Orbit(c, A, B, E, width, free, panels, reach / panels)
     upward = -1.0 if cosine < 0 else 1.0
     if free:
-        # Round the tube phi falls as pi - 2t, or grows as its negative. Near the inner equator,
-        # where a round begins, t is small and mustn't be a difference of numbers near pi/2.
+        # Round the tube phi falls as pi - 2t, or grows as 2t - pi, until t = pi/2 at the outer
+        # equator. A start `beyond` that, at t > pi/2, has t - pi instead, counted back from the
+        # next t = 0: near the inner equator t is small and mustn't be a difference near pi/2.
         beyond = -1.0 if -upward * phi < 0 else 1.0
         t = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
         return orbit, Start(phi, upward, t, (1 - beyond) / 2)
-    # Between turning points sin(phi/2) = k cos(t), and the slope is k sin(t) or its negative.
+    # Between turning points sin(phi/2) = k cos(t), and the slope is -k sin(t), above zero while phi
+    # grows. For phi < 0 t is counted from the lower turning point: from -pi if that is behind the
+    # start, from pi if it is ahead. So counted, t makes both formulas change their signs.
     begun = 0.0
     if half_sine < 0:
         begun = -1.0 if slope > 0 else 1.0

@@ -10,8 +10,10 @@ with one unknown u, which stands for c. `find_root` seeks the u for which the tu
 the integral of d(theta), is the given one.
 
 At a turning point rho = c, the root under the fraction vanishes, and a quadrature in phi fails. So
-another variable t takes the place of phi: in each class sin(phi/2) or cos(phi/2) is a multiple of
-cos(t). With D = A + B sin^2(t) and rho = c + 2R (E + B sin^2(t)), where A, B and E are constants,
+another variable t takes the place of phi: sin(phi/2) = k cos(t). A geodesic with turning points has
+k^2 = (r + R - c) / 2R, and t = 0 where phi is greatest; on one without them k = 1. In t the
+integrands stay finite. With rho = c + 2R (E + B sin^2(t)) and D = A + B sin^2(t), where A, B and E
+are constants and D is cos^2(phi/2) if there are turning points, else (rho - c) / 2R,
 
     angle = sqrt(2R) int c / (rho sqrt((rho + c) D)) dt,
     length = sqrt(2R) int rho / sqrt((rho + c) D) dt.
@@ -187,9 +189,12 @@ def outer(torus, ends, u):
     k^2 = sin^2(a/2) + x^2, rho_a - c = 2R x^2 and rho_b - c = 2R W^2. So everything follows from x,
     and nothing cancels where x is small.
 
-    The class has three parts. Above zero x = X tanh(u/X) nears X, the end of the class, which no u
-    reaches. Below zero x = u. Near the meridian of a `wide` torus -u grows as the logarithm of
-    what x lacks of it.
+    The class ends at x = -L, the meridian, and at x = X: L is `ends.meridian`, X is `ends.room`. It
+    has three parts, in which u gives x by
+
+    - x = X tanh(u/X) for u > 0, which nears X but doesn't reach it,
+    - x = u for u <= 0,
+    - x = -L + w exp((u + STEEP L) / w), w = (1 - STEEP) L, for u < -STEEP L on a `wide` torus.
     """
     r, R = torus.r, torus.R
     L, X = ends.meridian, ends.room
@@ -206,15 +211,16 @@ def outer(torus, ends, u):
         x, dx, e = u, 1.0, (X - u) * (X + u)
         if u > 0:
             x, dx, e = _spread(torus, X, u)
-            # There tanh is 1 to the last digit: the class has ended by the node.
+            # From here on `_spread` lets x grow no more, so that its derivative is zero.
             if r <= R and u > 30 * X:
                 dx = 0.0
         c, rest = _swing(torus, e)
     if rest >= 0:
         return _turning(torus, ends, x, dx, c, rest, -1.0)
-    # Here k > 1 and c < r - R: prolonged, the way crosses the inner equator of a ring without a
-    # turning point. D of the form above would vanish on it; with t = (pi - phi)/2, so that
-    # cos(phi/2) = sin(t), it vanishes nowhere.
+    # Here c < r - R, and k^2 of `_turning` would be above 1: prolonged, the way crosses the inner
+    # equator of a ring without a turning point. There cos^2(phi/2), the D of `_turning`, vanishes.
+    # With k = 1, which is t = (pi - phi)/2, D = kappa^2 + sin^2(t) vanishes nowhere, where
+    # kappa^2 = (r - R - c) / 2R is -`rest`.
     dk2 = 2 * x * dx
     rates = -2 * R * dk2, dk2, 0.0, dk2
     first, last = (ends.cosine_a, ends.sine_a), (ends.cosine_b, ends.sine_b)
@@ -451,9 +457,10 @@ def integrate(torus, way, nodes, rows):
 def add_nodes(torus, way, nodes, rows):
     """Fill in what the nodes of a quadrature add to each integral, two nodes to a place.
 
-    In the variable y, see `_stretched`, they lie at the same shares of the way from either end. So
-    both take one exponential: e^y is `first` times e^(width share) at one of them, and `last`
-    divided by it at the other.
+    The quadrature runs over y, see `_stretched`. Each place of a row holds the sum of two nodes:
+    one at a share of the width from the lower limit, the other as far from the upper limit. Both
+    take one exponential: e^y is `first` times e^(width share) at one of them, and `last` divided by
+    it at the other.
 
     Parameters
     ----------
@@ -464,7 +471,17 @@ def add_nodes(torus, way, nodes, rows):
     nodes : (2, k) float
         Shares and weights.
     rows : (3, k) float
-        Filled with the parts of the turned angle, of its rate by the unknown, and of the length.
+        Filled with the parts of the turned angle, of its rate by the unknown, and of the length. It
+        is the rate at fixed limits: `moving` returns what their motion adds.
+
+    Notes
+    -----
+    Let f = c / rho sqrt(2R / ((rho + c) D)) be the integrand of the turned angle, and let primes
+    mark derivatives by the unknown at fixed t. Then
+
+        f' = (c' - c (rho' / rho + (rho' + c') / (2 (rho + c)) + D' / (2 D))) f / c.
+
+    `density` is rho f / c dt times the weight, `by_rho` is 1 / rho, `under` is (rho + c) D.
     """
     c, (A, B, E), (dc, dA, dB, dE) = way.c, way.shape, way.rates
     first, last, half, width = _stretched(torus, way)
@@ -492,8 +509,7 @@ def add_nodes(torus, way, nodes, rows):
             over_all = 1 / (rho * under)
             by_rho = over_all * under
             density = square_root(twice * (over_all * rho)) * (step * (above + below) * flat)
-            # Twice the rate by the unknown of the logarithm of rho sqrt((rho + c) D), to be taken
-            # from that of c.
+            # Twice the derivative of log(rho sqrt((rho + c) D)), the sum in brackets in the Notes.
             drho = dc + twice * (dE + dswing)
             twice_rate = (
                 2 * drho * by_rho
@@ -512,31 +528,34 @@ def _stretched(torus, way):
     """Return e^y at both ends of a way, half of a0 and the width in y: tan(t/4) = a0 sinh(y).
 
     Near t = 0 the integrands have a peak, for D and rho are small there; continued to complex t
-    they have singular points where D or rho is zero, at +-i h, the nearer to the real line the
-    smaller D and rho are. With a0 = tan(h/4) the peak has unit width in y, however narrow it is in
-    t. And sin(t) needs no sine: it is 4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4).
+    they have singular points where D or rho is zero, at t = +-i h, and the smaller D and rho are at
+    t = 0 the smaller is h. With a0 = tanh(h/4) the singular points are at y = +-i pi/2, so that the
+    peak is about one unit of y wide, however narrow it is in t. With tan(t/4), unlike t itself,
+    sin(t) needs no sine: it is 4 v (1 - v^2) / (1 + v^2)^2 at v = tan(t/4).
     """
     c, (A, B, E), (sine, cosine), (across, along) = way.c, way.shape, way.first, way.span
     # The tangents of a quarter of the lower limit, and of a quarter of the span.
     tangent = sine / (1 + cosine)
-    first = tangent / (1 + square_root(1 + tangent * tangent))
+    tan_first = tangent / (1 + square_root(1 + tangent * tangent))
     # Of half of the span, the longer one of sine and cosine comes by a root of a sum, which doesn't
     # cancel, and the other one from it.
     long_side = square_root((1 + abs(along)) / 2)
     short_side = across / (2 * long_side)
     reach = short_side / (1 + long_side) if along > 0 else long_side / (1 + short_side)
-    # By how much tan(t/4) grows: the tangent of a sum less `first`, written without a difference.
-    width = reach * (1 + first * first) / (1 - first * reach)
-    last = first + width
-    # sinh^2(h) of the nearer singular point: D or rho is zero where sin^2(t) = -sinh^2(h). Halved
-    # twice it is the tangent of i h/4, over i.
+    # By how much tan(t/4) grows: the tangent of the sum of both quarters less `tan_first`, written
+    # without that difference. The denominator is never below 0.8, so that nothing cancels in it.
+    rise = reach * (1 + tan_first * tan_first) / (1 - tan_first * reach)
+    tan_last = tan_first + rise
+    # sinh^2(h) of the nearer singular point: D or rho is zero where sin^2(t) = -sinh^2(h). From it
+    # follow tanh(h/2) and then tanh(h/4), each by the formula for half of an argument.
     narrow = larger(smaller(A, E + c / (2 * torus.R)), 0.0) / B
     narrow = smaller(narrow, 1e100)
-    half = square_root(narrow) / (1 + square_root(1 + narrow))
-    peak = half / (1 + square_root((1 - half) * (1 + half)))
+    tanh_half = square_root(narrow) / (1 + square_root(1 + narrow))
+    peak = tanh_half / (1 + square_root((1 - tanh_half) * (1 + tanh_half)))
     a0 = larger(peak, 1e-30)  # which is divided by
-    x = first / a0
-    z = last / a0
+    # sinh(y) at both limits. No way ends below t = 0: z is never negative, and z + root_z is a sum.
+    x = tan_first / a0
+    z = tan_last / a0
     root_x = square_root(1 + x * x)
     root_z = square_root(1 + z * z)
     # sinh of the difference of y at the ends is z root_x - x root_z. Past the turning point, x > 0,
@@ -544,7 +563,7 @@ def _stretched(torus, way):
     # (z - x)(z + x), is divided by the sum.
     if x > 0:
         lead = x + root_x
-        apart = width / a0 * (x + z) / (z * root_x + x * root_z)
+        apart = rise / a0 * (x + z) / (z * root_x + x * root_z)
     else:
         lead = 1 / (root_x - x)
         apart = z * root_x - x * root_z
@@ -737,31 +756,34 @@ def newton(u, miss, rate, scale, low, high, before):
 def start(torus, ends, a, b, angle):
     """Return where `find_root` begins for `outer`: a first guess, a scale, and the least unknown.
 
-    The guess is the geodesic of a sphere, the chord from a to b being seen at the same elevation in
-    the tangent plane at a. The torus and its ends at phi = a and b are those of `outer`; the way
-    turns by `angle`, in rad.
+    The guess sets out from a in the direction of the chord to b, projected on the tangent plane at
+    a. On a sphere, r = 0, this is the geodesic itself. The torus and its ends at phi = a and b are
+    those of `outer`; the way turns by `angle`, in rad.
     """
     R = torus.R
     rho_a = ends.rho_a
     half, other = sine_cosine(angle / 2)
     # The chord's parts along the meridian at a, towards growing phi, and along the parallel. The
-    # first one is made up of the chord from a to b in the meridian plane and of what the parallel
-    # bends inwards.
+    # first one is that of the chord from a to b in one meridian plane, -R sin(a - b), and of the
+    # move inwards by rho_b (1 - cos(angle)) when the parallel is followed.
     sine_a = 2 * ends.sine_a * ends.cosine_a
     up = 2 * (ends.rho_b * half * half * sine_a - R * ends.sine * ends.cosine)
     along = 2 * ends.rho_b * abs(half * other)
     size = square_root(up * up + along * along)
     sine = up / size
-    # x of that azimuth: 2R x^2 = rho_a - c = rho_a (1 - cosine), where 1 - cosine is taken as
+    # x of that direction, which rises from the parallel by an angle with this sine and the cosine
+    # along / size: 2R x^2 = rho_a - c = rho_a (1 - cosine), where 1 - cosine is taken as
     # sine^2 / (1 + cosine), which keeps its digits.
     x = sine * rho_a / square_root(2 * R * rho_a * (1 + along / size))
     X = ends.room
-    # From x to u by the inverse of each part of `outer`, kept off both ends of the class.
+    # From x to u by the inverse of each part of `outer`, kept off both ends of the class. Above
+    # zero u = X artanh(x/X), as the area sine of share / sqrt(1 - share^2).
     guess = 0.99 * x
     if x > 0:
         share = smaller(x / X, 0.95)
         guess = X * area_sine(share / square_root((1 - share) * (1 + share)))
-    # What x lacks of the meridian's: L + x = (L^2 - x^2) / (L - x) = c / 2R / (L - x).
+    # `rest` is (L + x) / L, and L + x = (L^2 - x^2) / (L - x) = c / 2R / (L - x). `far` is the
+    # logarithm of (1 - STEEP) / rest: that of a square root is the area sine below, taken twice.
     if wide(torus) and x < -STEEP * ends.meridian:
         L = ends.meridian
         rest = rho_a * (along / size) / (2 * R) / (L * (L - x))

@@ -245,8 +245,9 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
       none, and beyond it there are two, which make two classes; either is missing where it would
       have to pass a node;
     - over the inner equator of a ring, on the side of the farther end: there is one; on a horn its
-      place is taken by one way through the node, along two meridians, whichever way round. Between
-      two places on the outer equator, past its first conjugate point, this class holds the equator.
+      place is taken by one way through the node, along two meridians, whichever way round, unless
+      both ends have the same phi. Between two places on the outer equator this class holds the
+      equator past its first conjugate point, and nothing before it.
 
     That the second arrivals' turn has one least value was seen on all tori that were tried; the
     rest is proved. Later arrivals are left out, each of which swings across the outer equator once
@@ -354,12 +355,13 @@ def nothing():
 def level(torus, pair):
     """Return the `Way` of ends that need no search, or `nothing` for all others.
 
-    Such are ends on one meridian, on the outer equator, or next to each other.
+    Such are ends on one meridian, on the outer equator as far as its first conjugate point, or
+    less than `NEAR` R apart.
     """
     a, b, angle = pair.a, pair.b, pair.angle
     span = torus.r + torus.R
-    # The outer equator is shortest up to its conjugate point. It is u = 0 of `outer`, where
-    # sin(phi/2) is zero all along, so that the quadrature has nothing to go by.
+    # The outer equator is shortest up to its conjugate point. It is u = 0 of `outer`, where k = 0:
+    # sin(phi/2) = k cos(t) is zero all along, whatever t is, so that t has no limits.
     if angle > 0 and a == 0 and angle <= conjugate_turn(torus):
         return Way(OUTER, span * angle, span, 0.0, 0.0)
     if not pair.on_sheet:
@@ -368,7 +370,8 @@ def level(torus, pair):
     if angle == 0:
         return Way(POINT if a == b else MERIDIAN, torus.R * (a - b), 0.0, -1.0, -1.0)
     if span * angle < NEAR * torus.R and a - b < NEAR:
-        # Between ends so near to each other the surface is its tangent plane.
+        # Between ends so near to each other the surface is its tangent plane. LARGE keeps digits of
+        # lengths that are next to the smallest floats.
         rho_a = pair.ends.rho_a
         across = rho_a * (LARGE * angle)
         down = torus.R * (LARGE * (a - b))
@@ -447,13 +450,15 @@ def near_side(torus, pair, rules, rows):
 def far_side(torus, pair, rules, rows):
     """Return the way of `inner` on a ring, through the node of a horn, or along an equator.
 
-    The arguments torus, pair, rules and rows are those of `near_side`.
+    The way leaves a with growing phi and comes to b + 2 pi; there may be `nothing`. The arguments
+    torus, pair, rules and rows are those of `near_side`.
     """
     a, b, angle = pair.a, pair.b, pair.angle
     span = torus.r + torus.R
     narrow = torus.r - torus.R
     if a == 0 and angle > conjugate_turn(torus):
         # Past its conjugate point the outer equator is still a geodesic, but not the shortest.
+        # It takes the place of the way over the inner equator, which isn't sought if a is 0.
         return Way(OUTER, span * angle, span, 0.0, 0.0)
     if narrow < 0 or not pair.on_sheet:  # the working sheet of a spindle ends at its nodes
         return nothing()
@@ -462,14 +467,16 @@ def far_side(torus, pair, rules, rows):
         if angle == 0:
             return Way(POINT, 0.0, 0.0, 0.0, math.nan)
         return Way(INNER, narrow * angle, narrow, 0.0, 0.0)
-    two_ends = b < 0 or a > b
+    two_parallels = a > b
     if angle == 0:
-        # Round the tube the other way.
+        # Round the tube the other way, unless both ends are one point.
         round_ = through(torus, pair)
-        return Way(MERIDIAN, round_.length, 0.0, 1.0, 1.0) if two_ends else nothing()
+        return Way(MERIDIAN, round_.length, 0.0, 1.0, 1.0) if two_parallels else nothing()
     if narrow == 0:
-        # Both nodes of a horn are one point. A way through it comes from above and leaves below.
-        return through(torus, pair) if two_ends and angle <= math.pi else nothing()
+        # Both nodes of a horn are one point. A way through it comes from above and leaves below. It
+        # fits any angle, 2 pi - angle too, with which `find_rivals` asks again: it is counted once.
+        # Between ends on one parallel, for which it is never the shortest, it isn't given.
+        return through(torus, pair) if two_parallels and angle <= math.pi else nothing()
     begin = 0.5, 0.0, 0.0
     return family_root(torus, pair, INSIDE, begin, rules, rows) if a > 0 else nothing()
 
@@ -608,8 +615,9 @@ def find(torus, ends, rules, rows, answers):
     rules, rows
         As of `near_side`.
     answers : (6, n) float
-        Filled with length, both azimuths and Clairaut's constant, in m and rad, and with the codes
-        of kind and certificate.
+        Filled with length, both azimuths and Clairaut's constant, in the unit of the torus and in
+        rad, and with the codes of kind and certificate. The azimuths are those at the first and at
+        the second end as given, not as in normal form.
     """
     for i in range(len(ends)):
         pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])

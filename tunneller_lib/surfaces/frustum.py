@@ -124,18 +124,22 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
 
     Notes
     -----
-    Let slant^2 = length^2 + gain^2, c = length/slant and d = gain/slant. A point at the height tau
-    over the first disc and at the distance rho from the axis is w - c rho deep inside the wall,
-    where w = c r + d tau is c times the wall's own distance there. Along the line this depth is
-    concave, and its greatest value tells whether the wall is met. From there it falls to zero where
-    x y = (c s)^2 with x, y = w -+ c sigma, both of which are linear along the line; rho^2 is
-    s^2 + sigma^2.
+    Let h = run/length and e = rise/length be the sine and the cosine between line and axis, gain
+    the last radius less the first, slant^2 = length^2 + gain^2, c = length/slant, d = gain/slant.
+    The point of a line at z is at the height tau = h m + e z over the first disc, and its distance
+    from the axis is rho, with rho^2 = s^2 + sigma^2 and sigma = e m - h z.
+
+    It is w - c rho deep inside the wall, in m at right angles to it, where w = c first_radius +
+    d tau is c times the wall's own distance from the axis there. Along the line this depth is
+    concave. If it has a maximum, this is where sigma/rho = -d e / (c h). The greatest depth within
+    the rod tells whether the wall is met. From there the depth falls to zero where x y = (c s)^2
+    with x, y = w -+ c sigma, both of which are linear along the line.
     """
     radius = larger(first_radius, last_radius)
     guard = GUARD * (radius + run)
     gain = last_radius - first_radius
     wall = (gain != 0) & (length > guard)  # else a rod, or a disc but for less than the guard
-    h, e = ratio(run, length), ratio(rise, length)  # sine and cosine between line and axis
+    h, e = ratio(run, length), ratio(rise, length)
     # The rod is made larger by the guard all round. Where a line is nearly level with a disc, or
     # nearly parallel to the axis, rounding moves the rod's ends far along it, away from a touch.
     more = where(wall, guard, 0.0)
@@ -147,7 +151,8 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
     slant = square_root(length * length + gain * gain)
     c, d = ratio(length, slant), ratio(gain, slant)
     up, steep = c * h + abs(d) * e, abs(d) * e - c * h
-    # Where the line is so nearly along a ruling, the wall counts as equally far all along it.
+    # `up` and `steep` are the rates of x and y in `_to_the_wall`, towards the wide end. Where the
+    # line is so nearly along a ruling, the wall counts as equally far all along it.
     steep = where(abs(steep) * (radius + length) <= guard, 0.0, steep)
     # The deepest point is where the depth has a maximum, or at the wide end if it only grows.
     turn = where(gain < 0, -1.0, 1.0)
@@ -156,6 +161,7 @@ def frustum_interval(run, rise, length, first_radius, last_radius, s, m):
     sigma = e * m - h * z
     w = c * first_radius + d * (h * m + e * z)
     rho = square_root(s * s + sigma * sigma)
+    # One guard isn't enough: rounding was seen to leave a touching line 1.07 guards outside.
     hit = hit & (where(wall, w - c * rho, 0.0) >= -2 * guard)
     # The deepest point of a line that meets the wall must be inside it: the wall is moved outwards
     # as far as that takes. For a line along a ruling it is moved by the guard, or else rounding

@@ -83,9 +83,14 @@ def _in_plane(rod, along, across, at, guard):
     along, across : {0, 1}
         The axis, x or y, that runs in the planes, and the one at right angles to them.
     at : (...) float
-        The planes' places on the latter, in m.
+        The planes' places on the latter, in m, counted from the rod's start.
     guard : (...) float
         How far rounding may move a place, in m.
+
+    Yields
+    ------
+    x, y, z : (...) float
+        Counted from the rod's start, in m; NaN where a plane has no such point.
     """
     v, r = rod.axis, rod.radius
     length = rod.length
@@ -99,7 +104,10 @@ def _in_plane(rod, along, across, at, guard):
     if length == 0:
         return
     w = v / length
-    # Seen along the side, the wall's border is two rulings. The plane cuts each of them.
+    # Where the rod is highest in a plane, its normal has no part along the side. On the wall such
+    # places are two rulings, +-r `aside`, in (across, z), from the rod's axis. The plane cuts each.
+    # In a rod that runs along the side every ruling is such a place, and the rod's ends tell. The
+    # points below are then those of its axis, which are points of the rod and so never too high.
     run = np.hypot(w[across], w[2])
     aside = (w[2], -w[across]) / run if run else np.zeros(2)
     for radial in (r * aside, -r * aside):
@@ -115,7 +123,9 @@ def _in_plane(rod, along, across, at, guard):
         )
     if rod.ends == "flat":
         # The plane cuts a disc along a chord, whose ends may be outermost. Where the disc lies in
-        # the plane, any chord will do: the disc's own top and the corners' lines tell the rest.
+        # the plane, any chord will do: the disc's own top and the corners' lines tell the rest. The
+        # chord runs in the direction (x, z), along the side and up, at right angles to the rod's
+        # axis; its middle lies in the disc, `away` from the centre.
         sine = np.hypot(w[along], w[2])
         x, z = (-w[2] / sine, w[along] / sine) if sine else (0.0, 1.0)
         for centre in (np.zeros(3), v):

@@ -325,8 +325,10 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
     Raises
     ------
     ValueError
-        If a piece is empty, doesn't begin where the last one ended, or turns back, with the first
-        one that does; or if the pieces go round more or less than once.
+        If there is no piece; if one is empty or doesn't begin where the one before it ended, with
+        the first one that does (whether the first piece meets the last one is checked at the end);
+        if one begins with a turn to the right, with the one that turns most; if the pieces go round
+        more or less than once; or if `snap` is too large.
 
     Examples
     --------
@@ -363,7 +365,8 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
             f"pieces: must never turn to the right; {k + 1} of {len(turns)} begins with "
             f"{np.degrees(-turns[k]):.3g} deg."
         )
-    # Pieces and corners together must turn by a full circle, or the curve crosses itself.
+    # Pieces and corners together turn by a whole number of full circles, for the direction comes
+    # back to the first one. It must be one circle, or the curve crosses itself.
     round_once = sum(b - a for a, b in (arc.headings for arc in section.arcs)) + turns.sum()
     if abs(round_once - 2 * np.pi) > SMOOTH:
         raise ValueError(
