@@ -166,3 +166,15 @@ def test_second_arrivals_just_beyond_their_least_turn_are_found():
         competing_geodesics(horn, (0, a), (least * (1 + off), b)).kind for off in (1e-12, -1e-12)
     )
     assert np.sum(beyond == "outer") == np.sum(short == "outer") + 2
+
+
+@pytest.mark.parametrize(
+    ("torus", "p", "q"),
+    [(Torus(3, 1), (0, 0), (1, 0)), (Torus(1.01, 1), (0.2, 0), (-0.3, 0)),
+     (Torus(1, 1), (0, 1), (0.7, 1)), (Torus(1, 1), (0, 0), (0.7, 0))],
+)  # fmt: skip
+def test_way_round_the_tube_between_ends_on_one_parallel_is_that_of_ends_beside_it(torus, p, q):
+    at, beside = (competing_geodesics(torus, p, (q[0], q[1] - step)) for step in (0.0, 1e-9))
+    lengths = [one.length[one.kind == "inner"][0] for one in (at, beside)]
+    assert lengths[0] == pytest.approx(lengths[1], abs=1e-8)
+    assert lengths[0] > torus.R * np.pi  # it comes by the inner equator

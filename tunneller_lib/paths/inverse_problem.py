@@ -245,9 +245,8 @@ def competing_geodesics(torus: Torus, p: Positions, q: Positions):
       none, and beyond it there are two, which make two classes; either is missing where it would
       have to pass a node;
     - over the inner equator of a ring, on the side of the farther end: there is one; on a horn its
-      place is taken by one way through the node, along two meridians, whichever way round, unless
-      both ends have the same phi. Between two places on the outer equator this class holds the
-      equator past its first conjugate point, and nothing before it.
+      place is taken by one way through the node, along two meridians, whichever way round. Between
+      two places on the outer equator, past its first conjugate point, it gives way to the equator.
 
     That the second arrivals' turn has one least value was seen on all tori that were tried; the
     rest is proved. Later arrivals are left out, each of which swings across the outer equator once
@@ -458,7 +457,7 @@ def far_side(torus, pair, rules, rows):
     narrow = torus.r - torus.R
     if a == 0 and angle > conjugate_turn(torus):
         # Past its conjugate point the outer equator is still a geodesic, but not the shortest.
-        # It takes the place of the way over the inner equator, which isn't sought if a is 0.
+        # It takes the place of the way over the inner equator.
         return Way(OUTER, span * angle, span, 0.0, 0.0)
     if narrow < 0 or not pair.on_sheet:  # the working sheet of a spindle ends at its nodes
         return nothing()
@@ -467,18 +466,16 @@ def far_side(torus, pair, rules, rows):
         if angle == 0:
             return Way(POINT, 0.0, 0.0, 0.0, math.nan)
         return Way(INNER, narrow * angle, narrow, 0.0, 0.0)
-    two_parallels = a > b
     if angle == 0:
         # Round the tube the other way, unless both ends are one point.
         round_ = through(torus, pair)
-        return Way(MERIDIAN, round_.length, 0.0, 1.0, 1.0) if two_parallels else nothing()
+        return Way(MERIDIAN, round_.length, 0.0, 1.0, 1.0) if a > b else nothing()
     if narrow == 0:
         # Both nodes of a horn are one point. A way through it comes from above and leaves below. It
         # fits any angle, 2 pi - angle too, with which `find_rivals` asks again: it is counted once.
-        # Between ends on one parallel, for which it is never the shortest, it isn't given.
-        return through(torus, pair) if two_parallels and angle <= math.pi else nothing()
+        return through(torus, pair) if angle <= math.pi else nothing()
     begin = 0.5, 0.0, 0.0
-    return family_root(torus, pair, INSIDE, begin, rules, rows) if a > 0 else nothing()
+    return family_root(torus, pair, INSIDE, begin, rules, rows)
 
 
 def shortest(torus, pair, rules, rows):
