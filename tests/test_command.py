@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -38,21 +39,22 @@ pieces = [
 EGG = 'shape = "egg"'
 
 
+def write_job(folder, changes=(), *, quick=True):
+    """Write a job like the reference, with some of its text changed, and return its file."""
+    text = REFERENCE.read_text()
+    if quick:  # T0 feels no ground
+        text = re.sub(r"power = 3e3.*?(?=\n# \[hydraulics\])", "", text, flags=re.DOTALL)
+    for old, new in ((QUICK if quick else {}) | dict(changes)).items():
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    (folder / "job.toml").write_text(text)
+    return folder / "job.toml"
+
+
 @pytest.fixture
 def job(tmp_path):
-    """Return a function that writes a job like the reference, with some of its text changed."""
-
-    def write(changes=(), *, quick=True):
-        text = REFERENCE.read_text()
-        if quick:  # T0 feels no ground
-            text = re.sub(r"power = 3e3.*?(?=\n# \[hydraulics\])", "", text, flags=re.DOTALL)
-        for old, new in ((QUICK if quick else {}) | dict(changes)).items():
-            assert text.count(old) == 1, old
-            text = text.replace(old, new)
-        (tmp_path / "job.toml").write_text(text)
-        return tmp_path / "job.toml"
-
-    return write
+    """Return `write_job` into the test's own folder."""
+    return partial(write_job, tmp_path)
 
 
 def run(capsys, *arguments):

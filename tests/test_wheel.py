@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_command import FILES, changed
+from tests.test_command import FILES, write_job
 
 READS = ["tunneller_lib/*"]
 
@@ -58,10 +58,18 @@ def test_wheel_has_all_of_the_library():
 
 
 def test_installed_command_writes_all_of_a_cut_but_the_picture(installed, tmp_path):
-    (tmp_path / "quick.toml").write_text(changed({}), encoding="utf-8")
     wanted = [re.match(r"\w+", line)[0] for line in PROJECT["project"]["dependencies"]]
     code = f"WANTED = {wanted}\n{COMMAND}"
-    command = [sys.executable, "-c", code, str(installed), "cut", "quick.toml", "--out", "cut"]
+    command = [
+        sys.executable,
+        "-c",
+        code,
+        str(installed),
+        "cut",
+        write_job(tmp_path),
+        "--out",
+        "cut",
+    ]
     done = subprocess.run(command, cwd=tmp_path, text=True, capture_output=True)
     assert done.returncode == 0, done.stderr
     assert re.search(

@@ -7,11 +7,12 @@ somebody to look at.
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import bisect, brentq
 
 from report.tests.prose import sources
 from report.tests.typeset_check import Check
@@ -21,7 +22,7 @@ from tunneller_lib.envelopes.isotropic import normal as plane_normal
 from tunneller_lib.envelopes.isotropic import surface_points
 from tunneller_lib.envelopes.pseudo import double_root
 from tunneller_lib.motion import Integrator, Loop, Resonance
-from tunneller_lib.motion.stability import continuous_limit, eigenvalue_limit
+from tunneller_lib.motion.stability import continuous_limit, eigenvalue_limit, is_stable
 from tunneller_lib.paths import ConeChord, geodesic_direct
 from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.ream.wall import scallop_height
@@ -142,7 +143,10 @@ def between_the_limits_with_an_integral(rng):
     T = rng.uniform(1e-3, 0.1)
     K_i = (rng.uniform(0.2, 1) / T) ** 2
     loop = Loop(1.5 / T, T, integral=K_i)
-    low, high = (eigenvalue_limit(Integrator(0.5), loop, side=side) for side in ("lower", "upper"))
+    high = eigenvalue_limit(Integrator(0.5), loop)
+    low = bisect(
+        lambda g: is_stable(Integrator(0.5), replace(loop, gain=g)) - 0.5, 1e-3 / T, 1.5 / T
+    )
     near_low = rng.random() < 0.5
     return {"K_v": 1.001 * low if near_low else 0.999 * high, "K_i": K_i, "T": T,
             "outside": [{"K_v": 0.999 * low}, {"K_v": 1.001 * high}, {"T": 1.05 * T},
