@@ -46,7 +46,9 @@ CALLS = {
     "route_through": {"knots": [0.0, 0.5, 1.2, 2.0]},
     "wall.intact_wall": {"start": -0.3, "shape": (6, 12)},
     "wall.lap_volume": {"advance": 0.05},
-    "wall.overbreak": {"wall": CUT.wall},  # not the grid that the room removal cuts at
+    # Not the grid that the room removal cuts at:
+    "wall.overbreak": {"wall": CUT.wall},
+    "wall.standing": {"wall": CUT.wall},
     "plan": COARSE,
     "simulate": AXIS | {"shape": (6, 12)},
     "gain_margins": OILY,
