@@ -93,6 +93,7 @@ def test_front_is_how_much_more_a_further_short_move_takes():
     assert volume == pytest.approx(wall.copy().cut_path(way[-2:], 0.2), rel=1e-12)
     assert area @ (way[-1] - way[-2]) == pytest.approx(volume, rel=0.02)
     assert cut() == pytest.approx(volume, rel=1e-12)
+    assert cut() == 0  # nothing is left of it
     ahead = (way[-1] - way[-2]) / np.linalg.norm(way[-1] - way[-2])
     outward = way[-1] / np.linalg.norm(way[-1])
     for share in rng.uniform(0.0, 0.2, 4):  # out of the wall or along it the places stay the same

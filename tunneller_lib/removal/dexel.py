@@ -215,8 +215,8 @@ class DexelGrid:
             outward normal, in m^2: a further short move d removes the dot product area . d more,
             as long as it goes on cutting there.
         cut : function
-            Called without arguments it removes this and returns the volume, in m^3; only while
-            the material is as it was.
+            Called without arguments it removes what is still there of this and returns the volume,
+            in m^3.
         """
         if len(centres) < 2:
             raise ValueError(f"centres: must be at least two; got {len(centres)}.")
