@@ -3,6 +3,7 @@
 A page has no numba. What `compiled.call` is given uses little of Python: numbers, tuples and rows
 by index, named fields, whole ranges, the mathematics of the C library. That is translated here,
 statement by statement, in the same order. Sums, products, quotients and roots have the same bits.
+Sines are those of `libm`, Python's own: the browsers' differ from each other.
 """
 
 import ast
@@ -29,8 +30,8 @@ const same = (x) => x;
 """
 PLAIN = {"abs": "Math.abs", "len": "size", "float": "same", "max": "greater", "min": "lesser"}
 MATH = {"sqrt": "root", "copysign": "signed", "inf": "Infinity"}
-MATH |= {name: f"Math.{name}" for name in ("sin", "cos", "tanh", "floor")}
-KNOWN = {compiled.sine: "Math.sin", compiled.cosine: "Math.cos", compiled.root: "root"}
+MATH |= {name: f"libm.{name}" for name in ("sin", "cos", "tanh")} | {"floor": "Math.floor"}
+KNOWN = {compiled.sine: "libm.sin", compiled.cosine: "libm.cos", compiled.root: "root"}
 INFIX = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*"}
 CALLED = {ast.Div: "ratio", ast.Mod: "remainder"}
 COMPARED = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "===", ast.NotEq: "!=="}

@@ -54,6 +54,8 @@ async function start({ files, lock, said }) {
   python = await loadPyodide({
     createPyodideModule: module.default, indexURL: here, packageBaseUrl: here, lockFileContents: lock,
   });
+  const { _sin: sin, _cos: cos, _tanh: tanh } = python._module;
+  self.libm = { sin, cos, tanh }; // for what Python has translated
   said("Unpacking numpy, scipy and matplotlib");
   await python.loadPackage(Object.keys(JSON.parse(lock).packages), { messageCallback() {} });
   python.unpackArchive(bytes(files["study.zip"]).buffer, "zip", { extractDir: "/study" });

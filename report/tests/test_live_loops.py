@@ -37,6 +37,7 @@ LOOPS = [
 ]
 # Rows of floats are handed over in one piece, as a page's are.
 RUN = """
+const libm = Math;
 const found = (() => {{ {script} }})();
 const rows = (table) => (Array.isArray(table?.[0]) ? table.map((r) => Float64Array.from(r))
                                                    : Float64Array.from(table));
@@ -70,7 +71,7 @@ def assert_same(function, given, filled, **parts):
     answer, *rows = json.loads(ran.stdout)
     assert call_plain(function, *given, **parts) == answer
     for at, row in zip(filled, rows, strict=True):
-        # Sine and tanh are the browser's own there: their last bits may differ.
+        # Sine and tanh are node's own here: their last bits may differ.
         np.testing.assert_allclose(row, given[at], rtol=1e-9, atol=1e-12)
 
 
