@@ -336,9 +336,8 @@ def test_scaled_epsilon(judge, tilt, height):
     ends = [(1, 1), (0, 1), (0.5, 1)]
     same = np.isclose(found, ends, rtol=1e-7, atol=1e-9).all(axis=-1)
     paper_thin, twice_too_thick, own_way = same
-    judge("rod-scaled", cases={
-        "it opens, and a greater number closes it": paper_thin and twice_too_thick,
-        "that is the only option": not own_way})  # fmt: skip
+    judge("rod-scaled", bool(paper_thin and twice_too_thick))
+    assert own_way
 
 
 def test_two_volumes(judge):
