@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -36,9 +37,9 @@ class Track:
         Whether the command was limited.
     states : tuple of (ticks + 1, order) float
         All states of each axis' plant, its position first.
-    stable : tuple of bool or None
-        Whether small motions of each axis are stable over the range of its set-values; None for a
-        plant without a linear form, or with a caller's own `inverse`.
+    judged : tuple
+        What `stable` judges of each axis: its plant, its loop and joint angles; None for an axis
+        with a caller's own `inverse`.
     energies : (ticks + 1, 5) float or None
         The energy from the pump and where it went, `both_joints.ENERGIES`, in J; None if the axes
         don't act on each other.
@@ -50,8 +51,16 @@ class Track:
     command: np.ndarray
     saturated: np.ndarray
     states: tuple
-    stable: tuple
+    judged: tuple
     energies: np.ndarray | None = None
+
+    @cached_property
+    def stable(self):
+        """Return whether small motions of each axis are stable over its set-values' range.
+
+        None stands for a plant without a linear form, or with a caller's own `inverse`.
+        """
+        return tuple(None if axis is None else _is_stable(*axis) for axis in self.judged)
 
     @property
     def time(self):
@@ -187,18 +196,18 @@ def follow(
         position = states[0][:, 0].copy()
         command = commands[0]
         limit = loops[0].limit
-    stable = (None,) * axes
+    # The oil's stiffness depends on the angle, so five angles of the range are judged.
+    angles = np.linspace(columns.min(axis=0), columns.max(axis=0), 5).T
+    judged = (None,) * axes
     if inverse is None:
-        stable = tuple(map(_is_stable, plants, loops, columns.T))
+        judged = tuple(zip(plants, loops, angles, strict=True))
     # Commands are limited exactly to the limit, so that equality tells saturation.
     saturated = (command >= limit) | (command <= -limit)
-    return Track(loops[0].tick, setvalues, position, command, saturated, states, stable, energies)
+    return Track(loops[0].tick, setvalues, position, command, saturated, states, judged, energies)
 
 
-def _is_stable(plant, loop, column):
-    """Return whether an axis is stable over the range of its set-values, or None if unknown."""
-    # The oil's stiffness depends on the angle, so five angles of the range are judged.
-    angles = np.linspace(column.min(), column.max(), 5)
+def _is_stable(plant, loop, angles):
+    """Return whether an axis is stable at joint angles, or None for one without linear form."""
     try:
         return is_stable(plant, loop, angles)
     except NoLinearForm:
