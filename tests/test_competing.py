@@ -25,7 +25,7 @@ def random_pairs(torus, n, seed=0):
 
 @every_torus
 def test_competing_geodesics_begin_with_the_shortest(torus):
-    p, q = random_pairs(torus, many(250, 5_000))
+    p, q = random_pairs(torus, many(100, 5_000))
     rivals, shortest = competing_geodesics(torus, p, q), geodesic_inverse(torus, p, q)
     for name in ("length", "azimuth1", "azimuth2", "clairaut", "kind", "certificate"):
         np.testing.assert_array_equal(getattr(rivals, name)[0], getattr(shortest, name))
@@ -36,7 +36,7 @@ def test_competing_geodesics_begin_with_the_shortest(torus):
 
 @every_torus
 def test_competing_geodesics_all_lead_to_the_end(torus):
-    p, q = random_pairs(torus, many(250, 5_000), seed=1)
+    p, q = random_pairs(torus, many(100, 5_000), seed=1)
     rivals = competing_geodesics(torus, p, q)
     found = rivals.converged
     way = geodesic_direct(torus, rivals.p[found], rivals.azimuth1[found], rivals.length[found])
@@ -132,7 +132,7 @@ def test_certificate_ends_where_two_geodesics_meet():
 
 @every_torus
 def test_certified_geodesics_have_no_shorter_rival(torus):
-    p, q = random_pairs(torus, many(400, 20_000), seed=3)
+    p, q = random_pairs(torus, many(200, 20_000), seed=3)
     found, rivals = geodesic_inverse(torus, p, q), competing_geodesics(torus, p, q)
     assert found.certified.all()
     second = rivals.length[1]

@@ -27,7 +27,7 @@ every_family = pytest.mark.parametrize("family", COUNTS)
 def numbers(family):
     """Return columns of a family as floats by name, and its kinds: of rows all over its table."""
     rows = [row for row in ROWS if row[0] == family]
-    rows = rows[:: max(len(rows) // many(40, 10_000), 1)]
+    rows = rows[:: max(len(rows) // many(25, 10_000), 1)]
     columns = np.array([row[1:-1] for row in rows], dtype=float).T
     return dict(zip(HEADER[1:-1], columns, strict=True)), np.array([row[-1] for row in rows])
 

@@ -13,7 +13,7 @@ from tests.series_open import Equations, series, solved
 from tunneller_lib.envelopes.isotropic import contact_point, normal
 
 ARC = np.linspace(-0.02, 0.02, 9)  # along an integral curve, in the model
-SEEDS = range(many(4, 150))
+SEEDS = range(many(2, 150))
 
 
 def channel(equations):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import tanhsinh
 
+from tests.audit.long import many
 from tests.shapes import ways_of
 from tunneller_lib.paths import geodesic_inverse
 from tunneller_lib.paths.direct_problem import half_swing
@@ -91,7 +92,7 @@ def test_first_arrivals_turn_the_farther_the_greater_the_unknown(torus):
 
 @every_torus
 def test_later_arrivals_are_longer_than_the_first(torus):
-    a, b = pairs(torus, 600, seed=2)
+    a, b = pairs(torus, many(200, 600), seed=2)
     u = np.random.default_rng(3).normal(0, 1, a.size) * np.cos(a / 2)
     ways = [ways_of(PAST, torus, *row[:2], row[2:]) for row in np.stack([a, b, u], axis=-1)]
     _, turned, _, length = np.concatenate(ways, axis=1)

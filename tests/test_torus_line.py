@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.audit.long import many
 from tests.shapes import EPS, directions, eq2, off_surface, tori
 from tunneller_lib.surfaces import Torus
 
@@ -108,7 +109,7 @@ def lines(kind, rng, n):
 def test_meet_line_finds_all_of_random_and_special_lines(kind):
     for ratio in np.geomspace(0.2, 1e4, 20):
         torus, rng = gridded(ratio), np.random.default_rng(int(1000 * ratio))
-        a, b = lines(kind, rng, 5000 if kind == "random" else 150)
+        a, b = lines(kind, rng, many(1_000, 5_000) if kind == "random" else 150)
         judge(torus, a, b, torus.meet_line(a, b))
 
 
