@@ -333,7 +333,8 @@ def _loads(way, circuit, limits, advance, length):
     limited = limits.volume < np.inf
     load = {"ground": engaged_areas(circuit, middle, advance) if limited else np.zeros_like(middle)}
     if limits.ground is not None:
-        load["groove"] = engaged_areas(circuit, middle)
+        whole = limited and not advance  # grooves, which `ground` has already
+        load["groove"] = load["ground"] if whole else engaged_areas(circuit, middle)
         slopes = way.at(length, order=1)
         load["pushed"] = push_levers(circuit, limits.ground, places, way.at(length), slopes)
     return load
