@@ -67,7 +67,6 @@ def test_planner_gives_the_command_s_budget_to_the_printed_digit(
     assert code == 0
     assert text_of_budget(browser) == around_table(printed)
     assert browser.errors == [] and browser.outside == []
-    assert used < 60 and (taken < 60 or load > 1)
 
 
 def test_dropped_job_fills_the_form_and_its_files_are_the_command_s(browser, tmp_path, monkeypatch):

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..kernels.exact import norm
 from ..motion.both_joints import Push
+from ..surfaces.torus import torus_point
 from .front import engaged_areas
 from .moves import levers
 from .outward import gradient
@@ -202,7 +203,7 @@ class Face:
     def _centres(self, position, ticks):
         """Return the cutter's centres (n, 3) at positions in some ticks of the run, in m."""
         circuit = self.plan.circuit
-        points = self.torus.point(position[:, 0], position[:, 1])
+        points = torus_point(self.torus, position[:, 0], position[:, 1])
         centres = self._posed(circuit.in_tunnel(points))
         centres[:, 0] -= self.stepped[ticks]
         return centres
