@@ -54,6 +54,7 @@ def _read(node):
     """Return the names that a statement reads when it is run, and those that functions in it do."""
     table = _table(node)
     now = {symbol.get_name() for symbol in table.get_symbols() if symbol.is_referenced()}
+    now -= _of_comprehensions(node)
     late = set()
     for scope in table.get_children():
         (now if scope.get_name() in COMPREHENSIONS else late).update(_global_names(scope))
@@ -85,6 +86,7 @@ def _changed(statement):
     """Return the names that a statement binds, or whose value it may change in place."""
     symbols = _table(statement).get_symbols()
     changed = {s.get_name() for s in symbols if s.is_assigned() or s.is_imported()}
+    changed -= _of_comprehensions(statement)
     for node in ast.walk(statement):
         match node:
             case ast.Attribute(ctx=ast.Store()) | ast.Subscript(ctx=ast.Store()):
@@ -92,6 +94,23 @@ def _changed(statement):
             case ast.Expr(value=ast.Call(func=ast.Attribute() as method)):
                 changed.add(_root(method))
     return changed
+
+
+def _of_comprehensions(node):
+    """Return names that only comprehensions bind; from 3.12 on a table has them as the node's."""
+    inner = [c.target for c in ast.walk(node) if isinstance(c, ast.comprehension)]
+    own = {name.id for target in inner for name in ast.walk(target) if isinstance(name, ast.Name)}
+    return own - set(_names_outside(node, frozenset()))
+
+
+def _names_outside(node, bound):
+    """Yield names that aren't `bound` by a comprehension around them."""
+    bound |= {name.id for part in getattr(node, "generators", []) for name in ast.walk(part.target)
+              if isinstance(name, ast.Name)}  # fmt: skip
+    if isinstance(node, ast.Name) and node.id not in bound:
+        yield node.id
+    for child in ast.iter_child_nodes(node):
+        yield from _names_outside(child, bound)
 
 
 def _table(node):
