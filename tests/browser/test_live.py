@@ -97,10 +97,7 @@ def test_every_slider_redraws_and_nothing_is_asked_outside(request, kind, page):
 
 
 def moved_all(browser, page):
-    """Move every slider of a page; return how long that takes in words, and processors' median.
-
-    The median is of the time in ms that processors work for a moved slider.
-    """
+    """Move every slider of a page; return in words how long that takes, also of processors."""
     browser.open(page.as_uri())
     taken, worked = [], []
     for number in range(browser.run("document.querySelectorAll('[data-program]').length")):
@@ -126,11 +123,10 @@ def moved_all(browser, page):
             assert len(words) > 1, "the picture says where its sliders stand"
         assert browser.run(f"{box}.querySelector('[role=status]').textContent") == ""
     assert browser.errors == [] and browser.outside == []
-    said = (
+    return (
         f"{len(taken)} moves, {median(taken):.0f} ms in the median, {max(taken):.0f} at worst, "
         f"of processors {median(worked):.0f}, at a load of {os.getloadavg()[0]:.1f}"
     )
-    return said
 
 
 def digits_apart(text, page):
