@@ -56,7 +56,7 @@ class Track:
 
     @cached_property
     def stable(self):
-        """Return whether small motions of each axis are stable over its set-values' range.
+        """Return whether small motions of each axis are stable, over the whole run's set-values.
 
         None stands for a plant without a linear form, or with a caller's own `inverse`.
         """
