@@ -98,19 +98,25 @@ def _changed(statement):
 
 def _of_comprehensions(node):
     """Return names that only comprehensions bind; from 3.12 on a table has them as the node's."""
-    inner = [c.target for c in ast.walk(node) if isinstance(c, ast.comprehension)]
-    own = {name.id for target in inner for name in ast.walk(target) if isinstance(name, ast.Name)}
+    own = _targets(c for c in ast.walk(node) if isinstance(c, ast.comprehension))
     return own - set(_names_outside(node, frozenset()))
 
 
 def _names_outside(node, bound):
     """Yield names that aren't `bound` by a comprehension around them."""
-    bound |= {name.id for part in getattr(node, "generators", []) for name in ast.walk(part.target)
-              if isinstance(name, ast.Name)}  # fmt: skip
     if isinstance(node, ast.Name) and node.id not in bound:
         yield node.id
+    loops = getattr(node, "generators", [])
     for child in ast.iter_child_nodes(node):
-        yield from _names_outside(child, bound)
+        yield from _names_outside(child, bound | _targets(loops))
+    if loops:  # what the first one goes through is found outside
+        yield from _names_outside(loops[0].iter, bound)
+
+
+def _targets(loops):
+    """Return the names that loops of comprehensions bind."""
+    parts = (part for loop in loops for part in ast.walk(loop.target))
+    return {part.id for part in parts if isinstance(part, ast.Name)}
 
 
 def _table(node):
