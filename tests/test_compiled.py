@@ -11,6 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from tests.audit.long import many
 from tests.hard_lines import FAMILIES, KINDS, shape_of
 from tests.shapes import ends_at_limits
 from tunneller_lib.kernels import compiled
@@ -196,11 +197,11 @@ TORI = {
 def test_geodesics_have_the_same_bits_both_ways(name, both_ways):
     torus, rng = TORI[name], np.random.default_rng(5)
     ends = np.stack(ends_at_limits(torus), axis=1)
-    p, q = rng.choice(ends, 80, replace=False).swapaxes(0, 1)
+    p, q = rng.choice(ends, many(40, 400), replace=False).swapaxes(0, 1)
     q[::11] = p[::11]
     p[5::41, 0] += 1e9
     plain, fast = both_ways(
-        lambda: (geodesic_inverse(torus, p, q), competing_geodesics(torus, p[:20], q[:20]))
+        lambda: (geodesic_inverse(torus, p, q), competing_geodesics(torus, p[::8], q[::8]))
     )
     assert len(set(plain[0].kind_code)) >= 3
     for field in ("length", "azimuth1", "azimuth2", "clairaut", "kind_code", "certificate_code"):

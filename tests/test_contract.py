@@ -297,8 +297,8 @@ def at_limits(call, random):
     return given
 
 
-WAYS = {"": (some_odd, many(15, 1000)), "level ": (all_level, many(6, 500)),
-        "limit ": (at_limits, many(5, 300))}  # fmt: skip
+WAYS = {"": (some_odd, many(8, 1000)), "level ": (all_level, many(4, 500)),
+        "limit ": (at_limits, many(4, 300))}  # fmt: skip
 
 
 @every_call

@@ -54,7 +54,7 @@ def test_half_swing_is_the_proofs_integral(torus, share):
 
 @every_torus
 def test_half_swing_turns_less_with_a_greater_constant(torus):
-    turned = half_swing(torus, constants(torus, 2000))[0]
+    turned = half_swing(torus, constants(torus, many(500, 2000)))[0]
     assert np.all(np.diff(turned) < 0)
     # The least is that of the outer equator, up to its conjugate point.
     assert turned[-1] == pytest.approx(np.pi / np.sqrt(1 + torus.r / torus.R), rel=1e-14)
@@ -70,7 +70,7 @@ def test_half_swing_turns_less_with_a_greater_constant(torus):
 
 @every_torus
 def test_first_arrivals_turn_the_farther_the_greater_the_unknown(torus):
-    for a, b in zip(*pairs(torus, 8, seed=0), strict=True):
+    for a, b in zip(*pairs(torus, many(4, 8), seed=0), strict=True):
         meridian = np.sqrt((torus.r / torus.R + np.cos(a)) / 2)
         X = np.cos(a / 2) if torus.r >= torus.R else meridian
         low = -meridian * (STEEPEST if torus.r > 0.9 * torus.R else 1)

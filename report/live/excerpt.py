@@ -5,6 +5,7 @@ The pages' own Python does so, too, with what a reader writes there: this module
 
 import ast
 import symtable
+from functools import cache
 
 COMPREHENSIONS = {"listcomp", "setcomp", "dictcomp", "genexpr"}  # functions that run at once
 
@@ -82,6 +83,7 @@ def _bound_anew(node):
     return set()
 
 
+@cache  # a notebook's statements are asked again for each of its exercises
 def _changed(statement):
     """Return the names that a statement binds, or whose value it may change in place."""
     symbols = _table(statement).get_symbols()
