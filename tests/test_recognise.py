@@ -65,7 +65,8 @@ def test_others_are_told_apart(kind):
 
 @pytest.mark.parametrize(("kind", "surface", "size"), [
     *(("cylinder", ruled(name, 0.05), 0.05) for name in RULED),
-    *((kind, surface, 0.3) for surface in MEMBERS["pipe"][:: many(2, 1)] for kind in ("pipe", "cylinder")),
+    *((kind, surface, 0.3) for surface in MEMBERS["pipe"][:: many(2, 1)]
+      for kind in ("pipe", "cylinder")),
 ])  # fmt: skip
 def test_radius_is_found_on_its_side_and_no_other_fits(kind, surface, size):
     radius = verdict(surface, kind).radius
