@@ -25,11 +25,19 @@ def parsed(text):
     """
     tree = ast.parse(text)
     if "__doc__" not in text:
-        for node in ast.walk(tree):
+        for node in _statements(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 if ast.get_docstring(node, clean=False) is not None:
                     del node.body[0]
     return tree
+
+
+def _statements(node):
+    """Yield a node and all in it but expressions, which have no statement in them."""
+    yield node
+    for inner in ast.iter_child_nodes(node):
+        if not isinstance(inner, ast.expr):
+            yield from _statements(inner)
 
 
 @cache
@@ -102,12 +110,12 @@ class _Imports(list):
 
     def __init__(self, tree):
         statements = ast.Import | ast.ImportFrom
-        super().__init__(node for node in ast.walk(tree) if isinstance(node, statements))
+        super().__init__(node for node in _statements(tree) if isinstance(node, statements))
         self.alone = all(isinstance(node, statements) or _lists(node) for node in tree.body)
 
 
 def _lists(node):
-    return isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    return isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__"
 
 
 @cache
@@ -158,6 +166,7 @@ def _source(node, package):
     return (*above, *(node.module.split(".") if node.module else ()))
 
 
+@cache
 def _file(root, module):
     """Return the file of a module of the checkout in a list, or an empty one."""
     if not module or module[0] not in PACKAGES:

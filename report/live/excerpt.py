@@ -101,7 +101,7 @@ def _changed(statement):
 def _of_comprehensions(node):
     """Return names that only comprehensions bind; from 3.12 on a table has them as the node's."""
     own = _targets(c for c in ast.walk(node) if isinstance(c, ast.comprehension))
-    return own - set(_names_outside(node, frozenset()))
+    return own and own - set(_names_outside(node, frozenset()))
 
 
 def _names_outside(node, bound):
