@@ -114,13 +114,12 @@ def test_change_of_cell_module_data_or_environment_is_seen(notebook):
 
 
 def test_result_no_longer_made_is_removed(run_before):
-    notebook = run_before
-    write(notebook, RECORD.format(value=1))
-    run_notebook(notebook)
-    assert not (notebook.parent.parent / "figures" / "axes.svg").exists()
-    write(notebook, "1")
-    run_notebook(notebook)
-    assert not records(notebook)[0].exists()
+    write(run_before, RECORD.format(value=1))
+    run_notebook(run_before)
+    assert not (run_before.parent.parent / "figures" / "axes.svg").exists()
+    write(run_before, "1")
+    run_notebook(run_before)
+    assert not records(run_before)[0].exists()
 
 
 @pytest.mark.parametrize(
@@ -132,29 +131,27 @@ def test_result_no_longer_made_is_removed(run_before):
     ],
 )
 def test_failure_names_the_cell_and_changes_nothing(run_before, last, message):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2), last)
-    content = nbformat.read(notebook, as_version=4)
+    write(run_before, RECORD.format(value=2), last)
+    content = nbformat.read(run_before, as_version=4)
     content.cells.insert(0, new_markdown_cell("Cells of text aren't counted.", id="text"))
-    nbformat.write(content, notebook)
-    before = files(notebook)
+    nbformat.write(content, run_before)
+    before = files(run_before)
     with pytest.raises(NotebookFailed, match=message):
-        run_notebook(notebook)
-    assert files(notebook) == before
+        run_notebook(run_before)
+    assert files(run_before) == before
 
 
 def test_kernel_that_dies_while_it_starts_is_a_sentence(run_before, tmp_path_factory, monkeypatch):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2))
-    before = files(notebook)
+    write(run_before, RECORD.format(value=2))
+    before = files(run_before)
     spec = {"argv": ["false", "{connection_file}"], "display_name": "", "language": "python"}
     folder = tmp_path_factory.mktemp("jupyter")
     (folder / "kernels" / "python3").mkdir(parents=True)
     (folder / "kernels" / "python3" / "kernel.json").write_text(json.dumps(spec))
     monkeypatch.setenv("JUPYTER_PATH", str(folder))
     with pytest.raises(NotebookFailed, match=r"^01_test.ipynb: the kernel doesn't start \(.*died"):
-        run_notebook(notebook)
-    assert files(notebook) == before
+        run_notebook(run_before)
+    assert files(run_before) == before
 
 
 def test_edit_while_running_is_kept(notebook):
@@ -214,22 +211,21 @@ def test_edit_after_a_killed_build_is_kept(finished):
 def test_disk_that_takes_no_more_changes_nothing_and_is_told(
     run_before, reason, monkeypatch, capsys
 ):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2))
-    before = files(notebook)
+    write(run_before, RECORD.format(value=2))
+    before = files(run_before)
 
     def refuse(*_):
         raise OSError(reason, os.strerror(reason), "a.svg")
 
-    monkeypatch.setattr(execute, "execute", lambda *_: nbformat.read(notebook, as_version=4))
+    monkeypatch.setattr(execute, "execute", lambda *_: nbformat.read(run_before, as_version=4))
     monkeypatch.setattr(nbformat, "write", refuse)
-    assert told(lambda: run_notebook(notebook)) == 1
+    assert told(lambda: run_notebook(run_before)) == 1
     assert capsys.readouterr().err == (
         f"The build stopped: {os.strerror(reason)} (a.svg). Finished notebooks are kept; "
         "the next build goes on from here.\n"
     )
-    assert files(notebook) == before
-    assert list((notebook.parents[1] / "build" / "staging").iterdir()) == []
+    assert files(run_before) == before
+    assert list((run_before.parents[1] / "build" / "staging").iterdir()) == []
 
 
 @pytest.fixture
@@ -264,13 +260,12 @@ def test_stale_notebooks_are_told_to_a_reader_who_reads_one_line_alone():
 
 
 def test_results_that_agree_are_kept_as_they_are(run_before):
-    notebook = run_before
-    first = files(notebook)
-    figure = notebook.parent.parent / "figures" / "axes.svg"
+    first = files(run_before)
+    figure = run_before.parent.parent / "figures" / "axes.svg"
     figure.write_bytes(figure.read_bytes().replace(b"<svg ", b"<svg  "))
     altered = figure.read_bytes()
-    assert run_notebook(notebook) == ["axes.svg"]
-    assert files(notebook) == first | {figure: altered}
+    assert run_notebook(run_before) == ["axes.svg"]
+    assert files(run_before) == first | {figure: altered}
 
 
 def test_state_tells_why_a_task_is_stale(tmp_path):
