@@ -2,6 +2,7 @@
 
 import ast
 import base64
+import json
 from functools import cache
 
 import nbformat
@@ -11,7 +12,7 @@ import pytest
 from kit import preview
 from report.live.excerpt import excerpt
 from report.live.program import exercises, programs
-from report.sources import INDEX, ROOT, cells, notebooks
+from report.sources import INDEX, ROOT, notebooks
 from tests.pictures import pixels
 
 READS = [
@@ -19,7 +20,9 @@ READS = [
 ]  # fmt: skip
 
 CALL = "sliders("
-WRITTEN = {n: [text for kind, text in cells(n) if kind == "code"] for n in notebooks()}
+CODE = {n: [cell for cell in json.loads(n.read_bytes())["cells"] if cell["cell_type"] == "code"]
+        for n in notebooks()}  # fmt: skip
+WRITTEN = {n: ["".join(cell["source"]) for cell in code] for n, code in CODE.items()}
 EVERY = [(n, k) for n in WRITTEN for k in range("".join(WRITTEN[n]).count(CALL))]
 
 of_study, exercises = cache(programs), cache(exercises)
@@ -80,8 +83,8 @@ def test_program_draws_what_the_notebook_stored(path, number, monkeypatch):
     names = {}
     exec(compile(ast.Module(before, []), "before", "exec"), names)
     drawn = eval(compile(ast.Expression(call.value), "call", "eval"), names)
-    code = [c for c in nbformat.read(path, as_version=4).cells if c.cell_type == "code"]
-    stored = [o.data["image/png"] for o in code[program.cell - 1].outputs if "image/png" in o.data]
+    outputs = CODE[path][program.cell - 1]["outputs"]
+    stored = [o["data"]["image/png"] for o in outputs if "image/png" in o["data"]]
     if not stored:  # the sliders only, for those who move them
         assert path.stem == "43_better" and len(drawn.axes) == 1
         return
@@ -107,5 +110,5 @@ def test_exercise_prints_what_the_notebook_stored(path, monkeypatch, capsys):
     exec(compile(ast.Module(excerpt(above, cell), []), "above", "exec"), names)
     capsys.readouterr()
     exec(compile(cell, "exercise", "exec"), names)
-    code = [c for c in nbformat.read(path, as_version=4).cells if c.cell_type == "code"]
-    assert capsys.readouterr().out == "".join(o.text for o in code[number - 1].outputs)
+    outputs = CODE[path][number - 1]["outputs"]
+    assert capsys.readouterr().out == "".join(line for o in outputs for line in o["text"])

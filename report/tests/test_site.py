@@ -31,27 +31,11 @@ from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 # Not the report's words: test_paper_pages reads them, and the captions that chapters show, too.
 READS = [
-    "report/*.bib",
-    "report/*.csv",
-    "report/*.json",
-    "report/*.pdf",
-    "report/*.toml",
-    "report/guide/*",
-    "report/ledger/*",
-    "report/lib.typ",
-    "report/page.typ",
-    "report/results.typ",
-    "report/spoken.typ",
-    "report/verdicts.typ",
-    "report/site/*",
-    "report/live/*",
-    "figures/*",
-    "notebooks/*",
-    "tests/*",
-    "tunneller_lib/*",
-    "environment.txt",
-    "CITATION.cff",
-]
+    "report/*.bib", "report/*.csv", "report/*.json", "report/*.pdf", "report/*.toml",
+    "report/guide/*", "report/ledger/*", "report/lib.typ", "report/page.typ", "report/results.typ",
+    "report/spoken.typ", "report/verdicts.typ", "report/site/*", "report/live/*", "figures/*",
+    "notebooks/*", "tests/*", "tunneller_lib/*", "environment.txt", "CITATION.cff",
+]  # fmt: skip
 
 SOME = [n for n in notebooks() if n.stem[:2] in ("00", "02", "08", "10", "23", "56")]
 RUN = [n for n in SOME if n.stem[:2] in ("00", "02", "56")]
