@@ -52,7 +52,16 @@ def excerpt(statements, node):
 
 
 def _read(node):
-    """Return the names that a statement reads when it is run, and those that functions in it do."""
+    """Return the names that a statement reads when it is run, and those that functions in it do.
+
+    A name that a module's own statement has bound before isn't among them.
+    """
+    if isinstance(node, ast.Module):
+        now, late = set(), set()
+        for statement in reversed(node.body):
+            read, called = _read(statement)
+            now, late = now - _bound_anew(statement) | read, late | called
+        return now, late
     table = _table(node)
     now = {symbol.get_name() for symbol in table.get_symbols() if symbol.is_referenced()}
     now -= _of_comprehensions(node)

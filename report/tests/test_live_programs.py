@@ -93,17 +93,24 @@ def test_program_draws_what_the_notebook_stored(path, number, monkeypatch):
     assert here.shape == there.shape and np.abs(here - there).mean() < 1
 
 
+def test_exercise_needs_nothing_that_its_own_cell_binds_first():
+    above = ast.parse("watt = slow()\nlaps = [1]\ncheck = print").body
+    cell = ast.parse("watt = 1\nlaps += [2]\ncheck(watt, laps)")
+    assert list(map(ast.unparse, excerpt(above, cell))) == ["laps = [1]", "check = print"]
+
+
 def test_every_chapter_has_two_exercises_and_all_run_on_their_pages():
     count = {n.stem: "".join(WRITTEN[n]).count("print(check_") for n in notebooks()}
     there = {n.stem: len(exercises(n)) for n in notebooks()}
     assert there == count and {stem for stem in count if count[stem] < 2} == {INDEX}
 
 
-# `make browser` tries every one, in the page.
+# `make browser` tries every chapter's, in the page.
+@pytest.mark.parametrize("which", [0, 1])
 @pytest.mark.parametrize("path", notebooks()[1::2], ids=lambda path: path.stem)
-def test_exercise_prints_what_the_notebook_stored(path, monkeypatch, capsys):
+def test_exercise_prints_what_the_notebook_stored(path, which, monkeypatch, capsys):
     monkeypatch.chdir(ROOT / "notebooks")
-    number = exercises(path)[0]
+    number = exercises(path)[which]
     above = [one for text in WRITTEN[path][: number - 1] for one in ast.parse(text).body]
     cell = ast.parse(WRITTEN[path][number - 1])
     names = {}
