@@ -5,6 +5,7 @@ the files of the checkout that it reads, other than modules, as patterns in `REA
 `make check` knows what a change of such a file reaches. A test that reads another one fails.
 """
 
+import gc
 import os
 import sys
 from fnmatch import fnmatch
@@ -71,6 +72,17 @@ def _reads_what_it_says(request):
     yield
     if request.path.parent in SHELVES and request.path.name.startswith("test_"):
         assert unsaid(request.module) == [], "READS, the list of what the module reads, lacks these"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Let Python look for no garbage among what is collected, which stays to the end."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items):

@@ -22,8 +22,8 @@ from pathlib import Path
 from unittest.mock import patch
 
 PACKAGES = (
-    "ipykernel.kernelapp", "IPython.display", "ipywidgets", "matplotlib.pyplot",
-    "numpy", "PIL.Image", "pyvista", "scipy.integrate",
+    "ipykernel.debugger", "ipykernel.kernelapp", "IPython.display", "ipywidgets",
+    "matplotlib.pyplot", "numpy", "PIL.Image", "pyvista", "scipy.integrate",
     "scipy.linalg", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "sympy",
 )  # fmt: skip
 
@@ -77,6 +77,7 @@ def shared_imports():
 def nursery(listener):
     """Fork a kernel for whoever asks, until our own standard input ends."""
     os.environ["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # as a kernel has it
+    os.environ["PYDEVD_DISABLE_FILE_VALIDATION"] = "1"  # else the debugger warns of frozen modules
     for name in PACKAGES:
         importlib.import_module(name)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # children that end leave nothing behind

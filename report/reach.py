@@ -25,11 +25,19 @@ def parsed(text):
     """
     tree = ast.parse(text)
     if "__doc__" not in text:
-        for node in ast.walk(tree):
+        for node in _statements(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 if ast.get_docstring(node, clean=False) is not None:
                     del node.body[0]
     return tree
+
+
+def _statements(node):
+    """Yield a node and all in it but expressions, which have no statement in them."""
+    yield node
+    for inner in ast.iter_child_nodes(node):
+        if not isinstance(inner, ast.expr):
+            yield from _statements(inner)
 
 
 @cache
@@ -67,7 +75,7 @@ def needed(text, root, package=()):
 def steps(text, root, package=()):
     """Return the files that `needed` returns, each with how many imports away it is: from 1."""
     found, away = {}, 1
-    reached = set(_imported(_imports(text), root, package))
+    reached = set(_imported(_imports(text)[0], root, package))
     while reached:
         found |= dict.fromkeys(reached, away)
         reached = {file for near in reached for file in _imported_by(near, root)} - found.keys()
@@ -94,25 +102,16 @@ def package_of(file, root):
 
 @cache
 def _imported_by(file, root):
-    return set(_imported(_imports_of(file), root, package_of(file, root)))
-
-
-class _Imports(list):
-    """The import statements of a text; `alone` if it has but these and the list of their names."""
-
-    def __init__(self, tree):
-        statements = ast.Import | ast.ImportFrom
-        super().__init__(node for node in ast.walk(tree) if isinstance(node, statements))
-        self.alone = all(isinstance(node, statements) or _lists(node) for node in tree.body)
-
-
-def _lists(node):
-    return isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    return set(_imported(_imports_of(file)[0], root, package_of(file, root)))
 
 
 @cache
 def _imports(text):
-    return _Imports(parsed(text))
+    """Return the import statements of a text, and if it has but these and a list of their names."""
+    tree, statements = parsed(text), ast.Import | ast.ImportFrom
+    found = [node for node in _statements(tree) if isinstance(node, statements)]
+    others = (node for node in tree.body if not isinstance(node, statements))
+    return found, all(ast.unparse(node).startswith("__all__ =") for node in others)
 
 
 def _imported(imports, root, package):
@@ -129,7 +128,7 @@ def _imported(imports, root, package):
 def _whole(root, module):
     """Yield the files of a module whose names aren't told: of a package, all that it passes on."""
     for file in _file(root, module):
-        if _imports_of(file).alone:
+        if _imports_of(file)[1]:
             yield from _imported_by(file, root)
         else:
             yield file
@@ -141,8 +140,8 @@ def _named(root, module, name):
         yield from inside
         return
     for file in _file(root, module):
-        imports = _imports_of(file)
-        if not imports.alone:
+        imports, alone = _imports_of(file)
+        if not alone:
             yield file
             continue
         for node in imports:
@@ -158,6 +157,7 @@ def _source(node, package):
     return (*above, *(node.module.split(".") if node.module else ()))
 
 
+@cache
 def _file(root, module):
     """Return the file of a module of the checkout in a list, or an empty one."""
     if not module or module[0] not in PACKAGES:

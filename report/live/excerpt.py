@@ -52,7 +52,16 @@ def excerpt(statements, node):
 
 
 def _read(node):
-    """Return the names that a statement reads when it is run, and those that functions in it do."""
+    """Return the names that a statement reads when it is run, and those that functions in it do.
+
+    A name that a module's own statement has bound before isn't among them.
+    """
+    if isinstance(node, ast.Module):
+        now, late = set(), set()
+        for statement in reversed(node.body):
+            read, called = _read(statement)
+            now, late = now - _bound_anew(statement) | read, late | called
+        return now, late
     table = _table(node)
     now = {symbol.get_name() for symbol in table.get_symbols() if symbol.is_referenced()}
     now -= _of_comprehensions(node)
@@ -101,7 +110,7 @@ def _changed(statement):
 def _of_comprehensions(node):
     """Return names that only comprehensions bind; from 3.12 on a table has them as the node's."""
     own = _targets(c for c in ast.walk(node) if isinstance(c, ast.comprehension))
-    return own - set(_names_outside(node, frozenset()))
+    return own and own - set(_names_outside(node, frozenset()))
 
 
 def _names_outside(node, bound):

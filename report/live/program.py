@@ -7,21 +7,15 @@ which the drawing needs, directly or through others, down to the call of ``slide
 import ast
 import sys
 from dataclasses import dataclass
+from functools import cache
 
 from report.live.excerpt import excerpt
 from report.reach import needed
 from report.sources import DRAWS_SCENES, ROOT, cells
 
 # What a page's Python can import.
-PACKAGES = {
-    "tunneller_lib",
-    "kit",
-    "exhibits",
-    "numpy",
-    "scipy",
-    "matplotlib",
-    *sys.stdlib_module_names,
-}
+PACKAGES = {"tunneller_lib", "kit", "exhibits", "numpy", "scipy", "matplotlib"}
+PACKAGES |= sys.stdlib_module_names
 
 
 @dataclass(frozen=True)
@@ -47,12 +41,9 @@ class Program:
 
 def programs(notebook):
     """Return the programs of a notebook's sliders, in their order."""
-    before, found, number = [], [], 0
-    for kind, source in cells(notebook):
-        if kind != "code":
-            continue
-        number += 1
-        for statement in ast.parse(source).body:
+    before, found = [], []
+    for number, cell in enumerate(_code(notebook), 1):
+        for statement in cell.body:
             if call := _call_of_sliders(statement):
                 body = [*excerpt(before, call), ast.Expr(call)]
                 found.append(Program(number, ast.unparse(ast.Module(body, [])) + "\n"))
@@ -65,14 +56,20 @@ def exercises(notebook):
 
     Those that need a package that no page has are left out.
     """
-    sources = [source for kind, source in cells(notebook) if kind == "code"]
     above, found = [], []
-    for number, source in enumerate(sources, 1):
-        cell = ast.parse(source)
+    for number, cell in enumerate(_code(notebook), 1):
         if _asks(cell) and _imported(excerpt(above, cell)) <= PACKAGES:
             found.append(number)
         above += cell.body
     return found
+
+
+def _code(notebook):
+    """Return the syntax trees of a notebook's cells of code."""
+    return [_parsed(source) for kind, source in cells(notebook) if kind == "code"]
+
+
+_parsed = cache(ast.parse)  # so that what is known of a statement is found again
 
 
 def _asks(cell):

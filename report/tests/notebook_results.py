@@ -63,9 +63,9 @@ class Kernel(RunningKernel):
         return self.kc.execute(cell_input, allow_stdin=allow_stdin, stop_on_error=False)
 
     def get_message(self, stream, timeout=None):
-        for _ in range(math.ceil(timeout)):
+        for _ in range(math.ceil(4 * timeout)):
             try:
-                return super().get_message(stream, timeout=1)
+                return super().get_message(stream, timeout=0.25)
             except Empty:
                 if not self.is_alive():
                     pytest.fail("The kernel died; is the GL library there?", pytrace=False)

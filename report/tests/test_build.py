@@ -11,7 +11,7 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
-from report import build, lock
+from report import build, execute, lock
 from report.build import recover, told
 from report.execute import NotebookFailed, run_notebook
 from report.lock import locked
@@ -27,11 +27,16 @@ DRAW = """from kit.style import figure
 record.figure(figure(height=4)[0], "axes", "Empty axes.")"""
 
 
+def place(root):
+    """Return the path of a notebook in a new checkout."""
+    (root / "notebooks").mkdir()
+    (root / "environment.txt").touch()
+    return root / "notebooks" / "01_test.ipynb"
+
+
 @pytest.fixture
 def notebook(tmp_path):
-    (tmp_path / "notebooks").mkdir()
-    (tmp_path / "environment.txt").touch()
-    return tmp_path / "notebooks" / "01_test.ipynb"
+    return place(tmp_path)
 
 
 def write(notebook, *sources):
@@ -46,20 +51,30 @@ def files(notebook):
 
 @pytest.fixture(scope="module")
 def checkout(tmp_path_factory):
-    """Return a checkout whose notebook, of a number and a figure, has been run."""
-    root = tmp_path_factory.mktemp("checkout")
-    (root / "notebooks").mkdir()
-    (root / "environment.txt").touch()
-    write(root / "notebooks" / "01_test.ipynb", RECORD.format(value=1), DRAW)
-    run_notebook(root / "notebooks" / "01_test.ipynb")
-    return root
+    """Return a checkout whose notebook, of a number and a figure, has been run to its end.
+
+    The results are still to be moved into place.
+    """
+    notebook = place(tmp_path_factory.mktemp("checkout"))
+    write(notebook, RECORD.format(value=1), DRAW)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(execute, "publish", lambda place: None)
+        run_notebook(notebook, {"a": "1"})
+    return notebook.parents[1]
 
 
 @pytest.fixture
-def run_before(notebook, checkout):
-    """Return a notebook, of a number and a figure, that has been run in its checkout."""
+def finished(notebook, checkout):
+    """Return a notebook, of a number and a figure, whose results are to be moved into place."""
     shutil.copytree(checkout, notebook.parent.parent, dirs_exist_ok=True)
     return notebook
+
+
+@pytest.fixture
+def run_before(finished):
+    """Return a notebook, of a number and a figure, that has been run in its checkout."""
+    recover(finished.parents[1])
+    return finished
 
 
 def test_running_puts_results_into_place(run_before):
@@ -99,13 +114,12 @@ def test_change_of_cell_module_data_or_environment_is_seen(notebook):
 
 
 def test_result_no_longer_made_is_removed(run_before):
-    notebook = run_before
-    write(notebook, RECORD.format(value=1))
-    run_notebook(notebook)
-    assert not (notebook.parent.parent / "figures" / "axes.svg").exists()
-    write(notebook, "1")
-    run_notebook(notebook)
-    assert not records(notebook)[0].exists()
+    write(run_before, RECORD.format(value=1))
+    run_notebook(run_before)
+    assert not (run_before.parent.parent / "figures" / "axes.svg").exists()
+    write(run_before, "1")
+    run_notebook(run_before)
+    assert not records(run_before)[0].exists()
 
 
 @pytest.mark.parametrize(
@@ -117,29 +131,27 @@ def test_result_no_longer_made_is_removed(run_before):
     ],
 )
 def test_failure_names_the_cell_and_changes_nothing(run_before, last, message):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2), last)
-    content = nbformat.read(notebook, as_version=4)
+    write(run_before, RECORD.format(value=2), last)
+    content = nbformat.read(run_before, as_version=4)
     content.cells.insert(0, new_markdown_cell("Cells of text aren't counted.", id="text"))
-    nbformat.write(content, notebook)
-    before = files(notebook)
+    nbformat.write(content, run_before)
+    before = files(run_before)
     with pytest.raises(NotebookFailed, match=message):
-        run_notebook(notebook)
-    assert files(notebook) == before
+        run_notebook(run_before)
+    assert files(run_before) == before
 
 
 def test_kernel_that_dies_while_it_starts_is_a_sentence(run_before, tmp_path_factory, monkeypatch):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2))
-    before = files(notebook)
+    write(run_before, RECORD.format(value=2))
+    before = files(run_before)
     spec = {"argv": ["false", "{connection_file}"], "display_name": "", "language": "python"}
     folder = tmp_path_factory.mktemp("jupyter")
     (folder / "kernels" / "python3").mkdir(parents=True)
     (folder / "kernels" / "python3" / "kernel.json").write_text(json.dumps(spec))
     monkeypatch.setenv("JUPYTER_PATH", str(folder))
     with pytest.raises(NotebookFailed, match=r"^01_test.ipynb: the kernel doesn't start \(.*died"):
-        run_notebook(notebook)
-    assert files(notebook) == before
+        run_notebook(run_before)
+    assert files(run_before) == before
 
 
 def test_edit_while_running_is_kept(notebook):
@@ -154,29 +166,32 @@ def test_edit_while_running_is_kept(notebook):
 
 KILLED = """import os, sys; from pathlib import Path
 import report.execute as execute
-moved, replace = [], os.replace
-def killed(source, target):
-    if "ready" not in Path(target).parts:
-        if len(moved) == {after}: os._exit(9)
-        moved.append(target)
+def killed(source, target, replace=os.replace):
+    if len(moved) == after: os._exit(9)
+    moved.append(target)
     replace(source, target)
 execute.os.replace = killed
-root = Path(sys.argv[1])
+for after in range(3):
+    moved = []
+    if os.fork() == 0: execute.publish(Path(sys.argv[1], str(after), "build", "ready", "01_test"))
+    assert os.waitstatus_to_exitcode(os.wait()[1]) == 9
 """
-NOTEBOOK = 'execute.run_notebook(root / "notebooks" / "01_test.ipynb", {"a": "1"})'
 
 
-def build_killed(root, work, after):
-    """Run a build that is killed when it has moved so many of its results into place."""
-    command = [sys.executable, "-c", KILLED.format(after=after) + work, root]
-    assert subprocess.run(command, cwd=ROOT).returncode == 9
+@pytest.fixture(scope="module")
+def killed(checkout, tmp_path_factory):
+    """Return checkouts whose builds were killed after so many results had been moved into place."""
+    folder = tmp_path_factory.mktemp("killed")
+    for after in range(3):
+        shutil.copytree(checkout, folder / str(after))
+    subprocess.run([sys.executable, "-c", KILLED, folder], cwd=ROOT, check=True)
+    return folder
 
 
 @pytest.mark.parametrize("after", [0, 1, 2])
-def test_build_killed_while_results_move_is_finished_by_the_next(notebook, after):
-    write(notebook, RECORD.format(value=1), DRAW)
-    root = notebook.parent.parent
-    build_killed(root, NOTEBOOK, after)
+def test_build_killed_while_results_move_is_finished_by_the_next(killed, after):
+    root = killed / str(after)
+    notebook = root / "notebooks" / "01_test.ipynb"
     assert not records(notebook)[0].exists()  # it comes last
     recover(root)
     assert is_run(notebook) and records(notebook)[1]["numbers"]["it"]["value"] == 1
@@ -185,34 +200,32 @@ def test_build_killed_while_results_move_is_finished_by_the_next(notebook, after
     assert not any((root / "build" / "ready").iterdir())
 
 
-def test_edit_after_a_killed_build_is_kept(notebook):
-    write(notebook, RECORD.format(value=1), DRAW)
-    build_killed(notebook.parent.parent, NOTEBOOK, 0)
-    write(notebook, "'edited'")
-    before = files(notebook)
-    recover(notebook.parent.parent)
-    assert files(notebook) == before
+def test_edit_after_a_killed_build_is_kept(finished):
+    write(finished, "'edited'")
+    before = files(finished)
+    recover(finished.parent.parent)
+    assert files(finished) == before
 
 
 @pytest.mark.parametrize("reason", [errno.ENOSPC, errno.EFBIG, errno.EROFS])
 def test_disk_that_takes_no_more_changes_nothing_and_is_told(
     run_before, reason, monkeypatch, capsys
 ):
-    notebook = run_before
-    write(notebook, RECORD.format(value=2))
-    before = files(notebook)
+    write(run_before, RECORD.format(value=2))
+    before = files(run_before)
 
     def refuse(*_):
         raise OSError(reason, os.strerror(reason), "a.svg")
 
+    monkeypatch.setattr(execute, "execute", lambda *_: nbformat.read(run_before, as_version=4))
     monkeypatch.setattr(nbformat, "write", refuse)
-    assert told(lambda: run_notebook(notebook)) == 1
+    assert told(lambda: run_notebook(run_before)) == 1
     assert capsys.readouterr().err == (
         f"The build stopped: {os.strerror(reason)} (a.svg). Finished notebooks are kept; "
         "the next build goes on from here.\n"
     )
-    assert files(notebook) == before
-    assert list((notebook.parents[1] / "build" / "staging").iterdir()) == []
+    assert files(run_before) == before
+    assert list((run_before.parents[1] / "build" / "staging").iterdir()) == []
 
 
 @pytest.fixture
@@ -247,13 +260,12 @@ def test_stale_notebooks_are_told_to_a_reader_who_reads_one_line_alone():
 
 
 def test_results_that_agree_are_kept_as_they_are(run_before):
-    notebook = run_before
-    first = files(notebook)
-    figure = notebook.parent.parent / "figures" / "axes.svg"
+    first = files(run_before)
+    figure = run_before.parent.parent / "figures" / "axes.svg"
     figure.write_bytes(figure.read_bytes().replace(b"<svg ", b"<svg  "))
     altered = figure.read_bytes()
-    assert run_notebook(notebook) == ["axes.svg"]
-    assert files(notebook) == first | {figure: altered}
+    assert run_notebook(run_before) == ["axes.svg"]
+    assert files(run_before) == first | {figure: altered}
 
 
 def test_state_tells_why_a_task_is_stale(tmp_path):

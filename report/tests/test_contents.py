@@ -3,6 +3,7 @@
 import json
 import re
 import tomllib
+from functools import cache
 from html import unescape
 
 import pytest
@@ -17,6 +18,7 @@ READS = ["notebooks/*", "report/numbers/*", "report/ledger/*", "tests/test_*.py"
 FOLDER = ROOT / "notebooks"
 CONTENTS = tomllib.loads((FOLDER / "contents.toml").read_text())
 CHAPTERS = [n for n in notebooks() if n.stem != INDEX]
+proofs = cache(proofs)
 
 
 def test_every_chapter_is_in_one_part():

@@ -192,9 +192,6 @@ from tunneller_lib.paths import ConeChord
 from kit import figure
 from exhibits.cone_plot import draw_cone, draw_development
 from kit.record import drawing_svg
-from report.sources import ROOT, cells
-
-READS = ["notebooks/03_tunnel.ipynb"]
 
 filled = [bytearray(size) for size in range(int(sys.argv[1]))]
 drawing, (one, other, third) = figure(1, 3, height=6.5)
