@@ -30,7 +30,9 @@ def form(*ways):
 
 
 def vanishes(expression):
-    return sp.simplify(sp.expand(expression)) == 0
+    above = sp.expand(sp.fraction(sp.together(expression))[0])
+    circle = sp.sin(a) ** 2 + sp.cos(a) ** 2 - 1
+    return sp.rem(above, circle, sp.sin(a)) == 0 or sp.simplify(expression) == 0
 
 
 def vanishes_at_fractions(expression):
