@@ -112,7 +112,7 @@ TURNING, STEPS = np.linspace(0, 7, 40), np.random.default_rng(3).uniform(-0.1, 0
 PATHS = {
     "ball": ([[0.1, 0.2, 0.5]], 0.2),
     "short moves": (np.add(np.cumsum(STEPS, axis=0), (0, 0.3, 0.4)), 0.2),
-    "long moves": (np.random.default_rng(4).uniform(-1, 1, (30, 3)), 0.05),
+    "long moves": (np.random.default_rng(4).uniform(-1, 1, (many(12, 30), 3)), 0.05),
     "round and round": (
         np.stack([TURNING / 20, 0.7 * np.cos(TURNING), 0.7 * np.sin(TURNING)], axis=-1),
         0.1,
@@ -197,7 +197,7 @@ TORI = {
 def test_geodesics_have_the_same_bits_both_ways(name, both_ways):
     torus, rng = TORI[name], np.random.default_rng(5)
     ends = np.stack(ends_at_limits(torus), axis=1)
-    p, q = rng.choice(ends, many(40, 400), replace=False).swapaxes(0, 1)
+    p, q = rng.choice(ends, many(24, 400), replace=False).swapaxes(0, 1)
     q[::11] = p[::11]
     p[5::41, 0] += 1e9
     plain, fast = both_ways(
