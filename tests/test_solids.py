@@ -33,7 +33,7 @@ def promised(kind, shapes, p, u):
 @every_kind
 def test_shapes_at_their_limits_keep_the_promise_line_by_line_and_many_at_once(kind):
     # Each shape with lines of many directions through a place of its surface, and parallel ones.
-    shapes, p, u = limits(kind, np.random.default_rng(21), many(40, 400))
+    shapes, p, u = limits(kind, np.random.default_rng(21), many(25, 400))
     asked = 0
     for i in range(len(shapes)):
         shape = shape_of(kind, shapes[i])
