@@ -48,16 +48,19 @@ def tree_of(path):
     return ast.parse(path.read_text())
 
 
+@cache
 def imports(path):
     """Return the absolute names of what a module imports, relative ones resolved."""
     package = ("tunneller_lib", *path.relative_to(LIBRARY).parts[:-1])
+    found = []
     for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             start = package[: len(package) - node.level + 1] if node.level else ()
             base = ".".join([*start, *([node.module] if node.module else [])])
-            yield from (f"{base}.{alias.name}" for alias in node.names)
+            found += [f"{base}.{alias.name}" for alias in node.names]
+    return found
 
 
 @every_module

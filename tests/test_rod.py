@@ -101,7 +101,7 @@ def searched(rod, low, high, side):
 def test_meet_box_is_what_a_search_finds(kind, ends):
     rng = np.random.default_rng(0)
     met = 0
-    for _ in range(many(6, 60)):
+    for _ in range(many(4, 60)):
         rod = rod_of(kind, rng, ends)
         low = np.array(rod.a)[:2] + rng.uniform(-1, 0.1, 2)
         high = low + rng.uniform(0.05, 2, 2)
