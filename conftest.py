@@ -5,6 +5,7 @@ the files of the checkout that it reads, other than modules, as patterns in `REA
 `make check` knows what a change of such a file reaches. A test that reads another one fails.
 """
 
+import gc
 import os
 import sys
 from fnmatch import fnmatch
@@ -25,7 +26,7 @@ OWN = (".py", ".pyc", ".nbi", ".nbc")  # followed by imports, and compiled
 DATA = "tunneller_lib/"  # of the library, which come with the modules that read them
 TOOLS = (".", "pyproject.toml")  # what tools read and keep
 
-settings.register_profile("study", derandomize=True, deadline=None, max_examples=many(30, 200))
+settings.register_profile("study", derandomize=True, deadline=None, max_examples=many(20, 200))
 settings.load_profile("study")
 
 opened = set()
@@ -71,6 +72,10 @@ def _reads_what_it_says(request):
     yield
     if request.path.parent in SHELVES and request.path.name.startswith("test_"):
         assert unsaid(request.module) == [], "READS, the list of what the module reads, lacks these"
+
+
+def pytest_collection_finish():
+    gc.freeze()  # what is collected stays, and needn't be looked through for cycles again
 
 
 def pytest_collection_modifyitems(items):
