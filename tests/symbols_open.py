@@ -31,8 +31,7 @@ def form(*ways):
 
 def vanishes(expression):
     above = sp.expand(sp.fraction(sp.together(expression))[0])
-    circle = sp.sin(a) ** 2 + sp.cos(a) ** 2 - 1
-    return sp.rem(above, circle, sp.sin(a)) == 0 or sp.simplify(expression) == 0
+    return sp.rem(above, e[0] ** 2 + e[1] ** 2 - 1, e[1]) == 0 or sp.simplify(expression) == 0
 
 
 def vanishes_at_fractions(expression):

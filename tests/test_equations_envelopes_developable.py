@@ -72,9 +72,8 @@ def test_example1_boundary_of_positive_measure(judge):
     # So a gap, where a smooth g is above 0, is within 2^-k of any place that stays: all of the
     # set, where g vanishes, is boundary. Every derivative of such a g is 0 at a gap's ends.
     ends = sorted(end for gap in gaps for end in gap)
-    near = [bisect(ends, a) for a, _ in stage]
-    away = [min(abs(end - a) for end in ends[max(k - 1, 0) : k + 1])
-            for k, (a, _) in zip(near, stage, strict=True)]  # fmt: skip
+    near = [(a, max(bisect(ends, a) - 1, 0)) for a, _ in stage]
+    away = [min(abs(end - a) for end in ends[k : k + 2]) for a, k in near]
     boundary = len(away) == 2**9 and max(away) < Fraction(1, 2**8)
     judge("cones-ex1", boundary and min(lengths) > Fraction(1, 2))
     bump = sp.exp(-1 / x)

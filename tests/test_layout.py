@@ -48,19 +48,16 @@ def tree_of(path):
     return ast.parse(path.read_text())
 
 
-@cache
 def imports(path):
     """Return the absolute names of what a module imports, relative ones resolved."""
     package = ("tunneller_lib", *path.relative_to(LIBRARY).parts[:-1])
-    found = []
     for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names]
+            yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             start = package[: len(package) - node.level + 1] if node.level else ()
             base = ".".join([*start, *([node.module] if node.module else [])])
-            found += [f"{base}.{alias.name}" for alias in node.names]
-    return found
+            yield from (f"{base}.{alias.name}" for alias in node.names)
 
 
 @every_module

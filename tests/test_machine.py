@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.audit.long import many
 from tests.shapes import HIGH, LOW
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.paths.circuit import Circuit
@@ -51,7 +50,7 @@ def margin(requirement):
     return abs(requirement.left - requirement.right)
 
 
-@settings(max_examples=many(200, 400))
+@settings(max_examples=400)
 @given(machines, st.floats(0.3, 0.6))
 def test_requirements_are_necessary_and_sufficient(machine, a):
     egg = Egg(a)

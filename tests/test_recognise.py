@@ -1,7 +1,5 @@
 """Six classes of envelopes recognised, at least six members of each, and told from others."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -45,7 +43,6 @@ OTHERS = {
 }
 
 
-@cache
 def verdict(surface, kind, **options):
     return recognise(surface, *GRID, kind, model="space", **options)
 

@@ -8,7 +8,6 @@ import ctypes
 import numpy as np
 import pytest
 
-from tests.audit.long import many
 from tests.references import tables
 from tests.references.controller_cycles import WAYPOINTS, waypoints_c99
 from tests.references.waypoint_operations import COLUMNS, TABLE, rows, waypoints
@@ -48,7 +47,7 @@ def in_structured_text(points, p, q):
 
 @pytest.mark.parametrize("points", [5, 9, 32])
 def test_structured_text_agrees_to_a_tenth_of_a_count(points):
-    p, q = pairs(many(16, 40))
+    p, q = pairs(40)
     found = in_structured_text(points, p, q)
     assert np.max(np.abs(found - corrected_chord(MACHINE.torus, p, q, points))) < COUNT / 10
     np.testing.assert_allclose(found[:, 0], p, atol=1e-14)
@@ -56,7 +55,7 @@ def test_structured_text_agrees_to_a_tenth_of_a_count(points):
 
 
 def test_difference_falls_with_the_fourth_power_of_the_waypoints():
-    p, q = pairs(many(20, 60))
+    p, q = pairs(60)
     worst = [np.max(np.abs(in_structured_text(n, p, q) - corrected_chord(MACHINE.torus, p, q, n)))
              for n in (9, 17, 33)]  # fmt: skip
     assert np.all(np.abs(np.log2(np.divide(worst[:-1], worst[1:])) - 4) < 0.1)
