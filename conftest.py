@@ -26,7 +26,7 @@ OWN = (".py", ".pyc", ".nbi", ".nbc")  # followed by imports, and compiled
 DATA = "tunneller_lib/"  # of the library, which come with the modules that read them
 TOOLS = (".", "pyproject.toml")  # what tools read and keep
 
-settings.register_profile("study", derandomize=True, deadline=None, max_examples=many(30, 200))
+settings.register_profile("study", derandomize=True, deadline=None, max_examples=many(20, 200))
 settings.load_profile("study")
 
 opened = set()

@@ -6,12 +6,14 @@ Tests are tests/test_equations_envelopes_*.py.
 import numpy as np
 import sympy as sp
 
+from tests.symbols_tunneller import is_zero
 from tunneller_lib.envelopes.adapted import model_jet
 from tunneller_lib.envelopes.isotropic import cone_planes, normal, plane_to_point
 
 x, y, u, v, t, g, tan = sp.symbols("x y u v t g tan", real=True)
 p, W = 1 + x**2 + y**2, 1 + x**2 + y**2 + 2 * x * u + 2 * y * v
 ANGLE, SMALL = np.radians(30), np.radians(20)
+zero = is_zero
 
 
 # The graph's derivatives: those of a jet, and with those of order 5.
@@ -56,10 +58,6 @@ def eq14(ut, vt):
             + F("xyy") * u * (u * ut - 2 * v * vt) + F("yyy") * u**2 * vt
             + (F("xx") - F("yy")) * (u * ut - v * vt)
             + 2 * F("xy") * (u * vt + v * ut))  # fmt: skip
-
-
-def zero(expression):
-    return sp.simplify(expression) == 0
 
 
 def example(a, b):

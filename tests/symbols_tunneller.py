@@ -21,7 +21,12 @@ TORI = (Torus(1, 2), Torus(0.08, 0.8), Torus(3, 24), Torus(2, 1.5))
 
 def zero(expression):
     """Return whether an expression, or each entry of a matrix, vanishes identically."""
-    return all(sp.simplify(e) == 0 for e in sp.Matrix([expression]))
+    return all(map(is_zero, sp.Matrix([expression])))
+
+
+def is_zero(expression):
+    """Return whether one vanishes: its numerator multiplied out, or else made simple."""
+    return sp.expand(sp.fraction(sp.together(expression))[0]) == 0 or sp.simplify(expression) == 0
 
 
 def at(expression, symbols, values):

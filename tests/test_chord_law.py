@@ -97,7 +97,7 @@ def test_aside_is_that_of_tori_near_a_sphere(ratio):
     torus = Torus(ratio, 1)
     # The law's places are those of equal angles; the deviation's sign follows the pole.
     t = np.linspace(0, 1, 129)
-    deviation = geodesic_inverse(torus, p, q).points(513).deviation(TANGENT_SPHERES(torus, p, q, t))
+    deviation = geodesic_inverse(torus, p, q).points(257).deviation(TANGENT_SPHERES(torus, p, q, t))
     law = ChordLaw(p, q)
     np.testing.assert_allclose(
         np.max(np.abs(deviation), axis=-1) / ratio, law.aside, rtol=3 * ratio + 1e-3, atol=1e-5

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.audit.long import many
 from tests.foot_lengths import length_of_feet
 from tests.shapes import joint_pairs, log_uniform
 from tunneller_lib.paths import CHORD_PATHS, geodesic_inverse, path_length, project_chord
@@ -41,7 +42,7 @@ def test_path_begins_and_ends_at_its_ends(torus, path):
 @every_torus
 @every_path
 def test_path_length_is_that_of_a_fine_polyline(torus, path):
-    p, q = joint_pairs(40, seed=1)
+    p, q = joint_pairs(many(15, 40), seed=1)
     fine = points(torus, path(torus, p, q, np.linspace(0, 1, 4001)))
     polyline = np.linalg.norm(np.diff(fine, axis=1), axis=-1).sum(axis=-1)
     np.testing.assert_allclose(path_length(torus, path, p, q), polyline, rtol=2e-7)

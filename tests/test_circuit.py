@@ -83,7 +83,7 @@ def test_knots_keep_the_tolerance_between_them(pitch, yaw, tolerance):
     assert s[0] == 0 and np.all(np.diff(s) > 0) and s[-1] < circuit.profile.perimeter
     assert np.all(np.isin(circuit.profile.blends[:-1], s))
     knots = circuit.position(s)
-    path = project_chord(WIDE.torus, knots, np.roll(knots, -1, axis=0), 331)
+    path = project_chord(WIDE.torus, knots, np.roll(knots, -1, axis=0), 101)
     assert np.max(np.abs(circuit.overbreak(path))) <= tolerance * (1 + 1e-3)
 
 
@@ -135,7 +135,7 @@ def test_cutting_circuit_refuses_in_one_sentence(machine, egg, pitch, message):
 def test_joint_limit_between_samples_is_kept():
     low, high = of(WIDE, pitch=0.03, yaw=0.02).reach()
     fine = of(WIDE, pitch=0.03, yaw=0.02)
-    position = fine.position(np.linspace(0, fine.profile.perimeter, 200_001))
+    position = fine.position(np.linspace(0, fine.profile.perimeter, 50_001))
     assert np.all(low <= position.min(axis=0)) and np.all(high >= position.max(axis=0))
     barely = replace(WIDE, theta_max=high[0] - 1e-9)
     with pytest.raises(ValueError, match="beyond its limits"):

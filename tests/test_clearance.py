@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.audit.long import many
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, Pose, part_clearances, plan
 from tunneller_lib.removal.arm_clearance import circuit_clearance, rod_clearance, solid_clearance
@@ -107,8 +108,11 @@ def in_tunnel(circuit, points, pose=None):
     return placed if pose is None else pose.moved(placed, circuit.in_tunnel(np.zeros(3)))
 
 
-@pytest.mark.parametrize("pose", [None, Pose(y=2e-3, z=-1e-3, roll=0.1, pitch=0.2, yaw=-0.1)])
-@pytest.mark.parametrize("stance", [{}, {"pitch": 0.02, "yaw": 0.01}])
+TURNED = Pose(y=2e-3, z=-1e-3, roll=0.1, pitch=0.2, yaw=-0.1)
+STANCES = {}, {"pitch": 0.02, "yaw": 0.01}
+
+
+@pytest.mark.parametrize(("stance", "pose"), [*product(STANCES, (None, TURNED))][:: many(3, 1)])
 def test_clearance_of_the_machines_parts_is_the_least_of_their_points(stance, pose):
     circuit = cutting_circuit(WITH_BODY, EGG, **stance)
     parts = {part.name: part for part in part_clearances(circuit, 0.1, pose=pose)}

@@ -57,6 +57,13 @@ def job(tmp_path):
     return partial(write_job, tmp_path)
 
 
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    """Return the quick job, and its cut."""
+    made = read_job(write_job(tmp_path_factory.mktemp("quick")))
+    return made, made.simulated()
+
+
 def run(capsys, *arguments):
     """Return exit code, standard output and standard error of a command."""
     code = main([str(argument) for argument in arguments])
@@ -249,9 +256,8 @@ def test_cut_has_a_row_and_a_line_for_a_first_lap_and_for_one_beside_another(job
     assert "\nlap 3, beside another: overbreak " in summary_text(numbers)
 
 
-def test_overshoot_where_the_cutter_enters_counts(job):
-    made = read_job(job())
-    cut = made.simulated()
+def test_overshoot_where_the_cutter_enters_counts(quick):
+    made, cut = quick
     outward = made.planned.circuit.profile.normal(0.0)
     beyond = cut.before[-1:] + 5e-3 * np.array([0.0, *outward])
     numbers = results.summarise(made, replace(cut, before=np.concatenate([cut.before, beyond])))
@@ -276,9 +282,8 @@ def test_job_writes_into_a_folder_of_its_own_under_build(job, tmp_path, monkeypa
     assert asked[0].parent == Path("build") and asked[0].name in ("toml", "job", "tunnel.v2")
 
 
-def test_litres_of_a_cut_are_those_that_its_ground_has_lost(job):
-    made = read_job(job())
-    cut = made.simulated()
+def test_litres_of_a_cut_are_those_that_its_ground_has_lost(quick):
+    made, cut = quick
     lines = cut.wall.lines
     begins = made.planned.circuit.section.ray(np.arctan2(lines.sin, lines.cos))
     lost = DexelGrid(lines, begins, cut.wall.high.max(axis=0)).volume - cut.wall.volume

@@ -234,7 +234,7 @@ def test_encoder_that_freezes_jumps_or_wraps_shuts_the_valves(machine, fault):
 
 
 def test_laps_wait_for_the_step_and_a_run_may_begin_again(machine):
-    one = machine(job(**TWO_LAPS, tolerance=5e-3))
+    one = machine(job(**FINE, **TWO_LAPS, tolerance=5e-3))
     one.go(scans=0)
     while not one.c.bStepRequest:
         one.scan(bStepDone=1)  # of an earlier step: no edge
@@ -306,7 +306,7 @@ def test_starved_line_comes_to_rest_within_the_acceleration_and_goes_on(machine,
         assert abs(run[:, axis].max() - every[:, axis].max()) < 10
 
 
-@pytest.mark.parametrize("seed", range(many(3, 50)))
+@pytest.mark.parametrize("seed", range(many(2, 50)))
 def test_whatever_is_pressed_every_scan_keeps_what_is_promised(machine, seed):
     """Random inputs, overrides from -1000 to 1000, encoders that fail, a slow task that pauses."""
     wanted = job(**FINE, **TWO_LAPS, tolerance=5e-3)
@@ -403,9 +403,9 @@ def test_slow_task_may_be_interrupted_anywhere(tmp_path, optimised):
     (tmp_path / "controller.h").write_text(c99_header(made))
     first = np.rint(wanted.planned.entry.setvalues[0] / wanted.planned.count).astype(int)
     options = [f"-DBEGIN_THETA={first[0]}", f"-DBEGIN_PHI={first[1]}",
-               f"-DINTERRUPTIONS={many(2_000, 50_000)}"]  # fmt: skip
+               f"-DINTERRUPTIONS={many(1_000, 50_000)}"]  # fmt: skip
     path = build(COMPILER, tmp_path, c99_text(made) + WIRED + INTERRUPTED, "-std=gnu99", optimised,
                  *options)  # fmt: skip
     done = subprocess.run([path], capture_output=True, text=True, timeout=600)
     wrong, inside, points, error = map(int, done.stdout.split())
-    assert (wrong, error) == (0, 0) and inside >= many(2_000, 50_000) and points > 4000
+    assert (wrong, error) == (0, 0) and inside >= many(1_000, 50_000) and points > 4000

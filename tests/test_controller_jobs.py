@@ -79,7 +79,7 @@ def with_its_value(wanted, sentence):
 
 @pytest.mark.skipif(not COMPILER, reason="no C compiler on this machine")
 # 18 and 20: a lap whose first moves take a tick each, behind a step; a ring that nearly runs low.
-@pytest.mark.parametrize("seed", sorted({*range(many(2, 200)), 18, 20}))
+@pytest.mark.parametrize("seed", sorted({*range(many(0, 200)), 18, 20}))
 def test_any_job_runs_in_its_time_or_is_refused_with_a_value_that_does(tmp_path, seed):
     rng = np.random.default_rng(seed)
     wanted = random_job(rng)

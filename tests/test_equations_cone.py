@@ -246,7 +246,8 @@ def test_eq19_row_m3(judge):
     # A second way: with the document's own P, Q and plane only the corrected row gives its M.
     appendix = [(1, R, 0, -H), (1, 0, h * R / H, -h), (0, -sp.sin(theta), sp.cos(theta), 0)]
     own = dict(zip((*p, *q, *plane), sum(appendix, ()), strict=True))
-    shown = -h * H * (sp.tan(theta) + 1) / (H * sp.tan(theta) + h)
+    tan = sp.sin(theta) / sp.cos(theta)
+    shown = -h * H * (tan + 1) / (H * tan + h)
     for form, right in ((printed, False), (corrected, True)):
         assert zero((form[3] / form[0]).subs(own) - shown) is right
 

@@ -1,6 +1,6 @@
 """Geodesics of the torus: against high-precision direct solves, integration, and other paths."""
 
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from tunneller_lib.surfaces import Torus
 MACHINE, RING, SPINDLE = Torus(0.08, 0.8), Torus(3, 1), Torus(0.5, 1)
 SHEET = (1.2, np.radians(40))  # |theta|, |phi| of the working sheet
 ANSWERS = ("length", "azimuth1", "azimuth2", "clairaut")
+quad = partial(mp.quad, method="gauss-legendre")
 every_torus = pytest.mark.parametrize("torus", [MACHINE, RING, SPINDLE], ids=str)
 
 
@@ -139,6 +140,7 @@ def by_equations(torus, p, azimuth, length, n):
     return way.y
 
 
+@cache
 def up_and_back(torus, phi, azimuth, start):
     """Return c of a way from phi, and its theta and length from a start to its turn and back.
 
@@ -156,7 +158,7 @@ def up_and_back(torus, phi, azimuth, start):
     end = mp.sqrt(turn - start)
     peak = mp.sqrt(c / R)
     legs = [0, *(peak * 10**k for k in range(20) if peak * 10**k < end), end]
-    turned, length = (2 * mp.quad(partial(shape, power=k), legs) for k in (-1, 1))
+    turned, length = (2 * quad(partial(shape, power=k), legs) for k in (-1, 1))
     return c, c * turned, length
 
 
@@ -206,7 +208,7 @@ def test_geodesic_direct_solves_the_geodesic_equations(torus):
 @pytest.mark.parametrize("swings", [1, 2, 1001, 10**6, -(10**9)])
 def test_geodesic_direct_of_any_length_goes_on_by_half_swings(torus, phi, azimuth, swings):
     # After half a swing phi and the cosine of the azimuth are mirrored.
-    with mp.workdps(40):
+    with mp.workdps(30):
         c, turned, length = up_and_back(torus, phi, azimuth, 0)
         assert c > torus.r - torus.R
         whole = swings * length
@@ -226,7 +228,7 @@ def test_geodesic_direct_of_any_length_goes_on_by_half_swings(torus, phi, azimut
 @pytest.mark.parametrize("torus", [SPINDLE, MACHINE, Torus(1, 1)], ids=str)
 def test_geodesic_direct_turns_before_a_node(torus, azimuth):
     phi = 0.4
-    with mp.workdps(40):  # towards the node that lies ahead
+    with mp.workdps(30):  # towards the node that lies ahead
         _, turned, length = up_and_back(torus, phi, azimuth, phi if np.cos(azimuth) > 0 else -phi)
     way = geodesic_direct(torus, (0, phi), azimuth, float(length), 7)
     assert np.isfinite(way.position).all()
@@ -294,7 +296,7 @@ def test_geodesic_inverse_on_a_thin_ring_against_30_digits(ratio, turn):
 
         ends = [mp.asinh(end / peak) for end in (mp.pi - a, mp.pi + b)]
         turned, length = (
-            sum(mp.quad(partial(shape, power=power), mp.linspace(0, y, 12)) for y in ends)
+            sum(quad(partial(shape, power=power), mp.linspace(0, y, 12)) for y in ends)
             for power in (-1, 1)
         )
         turned *= narrow - gap

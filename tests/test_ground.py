@@ -195,14 +195,14 @@ OTHERS = [(0.5, None, {}), (1.0, CIRCLE, {"height": -0.1})]
 SOURCES = "both joints", "ground, mean", "ground, picks"
 
 
-def loaded(scale, section, sizes, feed=0.1):
-    """Return the case of a machine of another size in mortar."""
+def loaded(scale, section, sizes):
+    """Return the case of a machine of another size in mortar, the smaller the faster."""
     machine = replace(machine_of(scale), **sizes)
     circuit = cutting_circuit(machine, section or Egg(0.5 * scale))
     parts = usual_sizes(machine)
     axes = axes_of(machine, parts)
     ground = replace(MORTAR, ripple_frequency=12.0 / scale)
-    limits = Limits(feed=feed, acceleration=0.5, power=3000 * scale**2, valve=0.8, axes=axes,
+    limits = Limits(feed=0.1 / scale, acceleration=0.5, power=3000 * scale**2, valve=0.8, axes=axes,
                     ground=ground)  # fmt: skip
     made = plan(circuit, limits, tolerance=2e-3 * scale, rest=0.2)
     loop = replace(LOOP, gain=10.0 / max(scale, 1.0))

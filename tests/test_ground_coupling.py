@@ -122,7 +122,7 @@ def test_ground_drags_a_stepping_cutter_back_along_the_tunnel():
 
 
 def test_side_of_the_ball_is_as_large_as_points_in_the_ground_count():
-    grid = np.linspace(-0.21, 0.21, 1501)
+    grid = np.linspace(-0.21, 0.21, 901)
     y, z = np.meshgrid(grid, grid)
     for s in (0.0, 0.9, 1.9):
         centre = CIRCUIT.profile.point(s)

@@ -58,10 +58,10 @@ class Roof:
 
     def __init__(self):
         self.x = np.linspace(-0.12, 0.12, 61)[:, None]
-        angles = np.linspace(math.radians(-20), math.radians(70), 401)
+        angles = np.linspace(math.radians(-20), math.radians(43), 281)
         self.out = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
         self.cell = (self.x[1, 0] - self.x[0, 0]) * (angles[1] - angles[0])
-        self.stands = np.full((61, 401), 0.5)
+        self.stands = np.full((61, 281), 0.5)
 
     def cut(self, centre):
         """Take a ball away and return the volume, in m^3."""

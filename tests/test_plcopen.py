@@ -175,8 +175,9 @@ def test_every_number_of_the_texts_is_legal_and_of_its_variables_type(texts):
 @pytest.mark.parametrize("tick", [1e-3, 7e-4, 1e-3 / 3, 2.5e-3, 4.1e-3, 4.7e-3, 12.3e-3])
 def test_intervals_are_the_ticks_even_where_they_are_read_in_single_precision(tick):
     """As iec2c does, and truncates to ns; one ns off, and the tasks have no tick in common."""
-    controller = {"operations": 1e9, "trip": 0.1}
-    found = with_program(job_with(controller=controller, plan={"tick": tick}))
+    controller = {"plant": "T0", "operations": 1e9, "trip": 0.1}
+    fast = {"feed": 0.3, "acceleration": 3.0}
+    found = with_program(job_with(controller=controller, limits=fast, plan={"tick": tick}))
     texts = re.findall(r"INTERVAL := T#(\d+(?:\.\d+)?)ms,", found.text)
     wanted = [many * round(1e9 * tick) for many in (1, found.slow)]
     for read in (np.float32, np.float64):

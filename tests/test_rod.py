@@ -80,7 +80,7 @@ def searched(rod, low, high, side):
     """Return the highest (or lowest) point by zooming in on a concave height over the section."""
     best, where = -np.inf, None
     first, last = low.copy(), high.copy()
-    for _ in range(60):
+    for _ in range(26):
         x, y = (np.linspace(*ends, 13) for ends in zip(first, last, strict=True))
         grid = np.stack([*np.meshgrid(x, y, indexing="ij"), np.zeros((13, 13))], axis=-1)
         enter, leave = rod.meet_line(grid, (0, 0, 1))
@@ -90,7 +90,7 @@ def searched(rod, low, high, side):
         if height[i, j] == -np.inf:
             return where, best
         best, where = max(best, height[i, j]), (x[i], y[j])
-        span = (last - first) / 3
+        span = (last - first) / 6
         first = np.maximum(low, np.array(where) - span)
         last = np.minimum(high, np.array(where) + span)
     return where, best
@@ -101,7 +101,7 @@ def searched(rod, low, high, side):
 def test_meet_box_is_what_a_search_finds(kind, ends):
     rng = np.random.default_rng(0)
     met = 0
-    for _ in range(many(6, 60)):
+    for _ in range(many(4, 60)):
         rod = rod_of(kind, rng, ends)
         low = np.array(rod.a)[:2] + rng.uniform(-1, 0.1, 2)
         high = low + rng.uniform(0.05, 2, 2)

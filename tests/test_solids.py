@@ -9,7 +9,7 @@ from tests.hard_lines import FAMILIES, KINDS, WITH_AXES, limits, meet, shape_of
 from tunneller_lib.surfaces import Box, Frustum, Rod
 
 FAR = 1e15  # sizes from which the promise holds, as the docstrings say
-LINES = many(75, 2_500)  # a family and kind, each judged in whole numbers
+LINES = many(50, 2_500)  # a family and kind, each judged in whole numbers
 CONE = [0, 0, 0, 0, 0, 3, 4, 0, 0, 0, 0, 0]  # of radius 4 and height 3
 UNIT = [0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 2]
 every_kind = pytest.mark.parametrize("kind", KINDS)
@@ -33,7 +33,7 @@ def promised(kind, shapes, p, u):
 @every_kind
 def test_shapes_at_their_limits_keep_the_promise_line_by_line_and_many_at_once(kind):
     # Each shape with lines of many directions through a place of its surface, and parallel ones.
-    shapes, p, u = limits(kind, np.random.default_rng(21), many(40, 400))
+    shapes, p, u = limits(kind, np.random.default_rng(21), many(25, 400))
     asked = 0
     for i in range(len(shapes)):
         shape = shape_of(kind, shapes[i])

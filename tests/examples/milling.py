@@ -35,12 +35,12 @@ def found():
 @cache
 def chain():
     row = int(np.flatnonzero(found().fits)[0])
-    return trace_chain(PATCH, MILL, found(), row, step=1e-3, **LOOK)
+    return trace_chain(PATCH, MILL, found(), row, step=3e-3, **LOOK)
 
 
 @cache
 def covered():
-    return cover(PATCH, MILL, found(), step=1e-3, most=1, **LOOK)
+    return cover(PATCH, MILL, found(), step=3e-3, most=1, **LOOK)
 
 
 INSTANCES = {
@@ -56,10 +56,10 @@ INSTANCES = {
 
 CALLS = {
     "coverage_of": lambda: {"mill": MILL, "chains": covered().chains, "n": 11},
-    "cover": lambda: {"found": found(), "step": 1e-3, "most": 1} | LOOK,
+    "cover": lambda: {"found": found(), "step": 3e-3, "most": 1} | LOOK,
     "find_positions": {"s": 0.003, "t": 0.001} | LOOK,
     "find_scallops": lambda: {"mill": MILL, "chains": covered().chains},
     "strip_across": lambda: {"mill": MILL, "chain": chain(), "reach": 0.005, "m": 5},
     "sweep_error": lambda: {"mill": MILL, "chain": chain()},
-    "trace_chain": lambda: {"found": found(), "row": 0, "step": 1e-3, "most": 3} | LOOK,
+    "trace_chain": lambda: {"found": found(), "row": 0, "step": 3e-3, "most": 3} | LOOK,
 }

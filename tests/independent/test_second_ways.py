@@ -1,5 +1,7 @@
 """Feet, chords and geodesics: by stepping the equation of geodesics, and by many small chords."""
 
+from functools import cache
+
 import numpy as np
 
 READS = ["report/numbers/*.json"]
@@ -39,7 +41,7 @@ def shortest(start, stop, profile, metre, angle, length, steps=1000):
         return np.array(way)[:, :2]
 
     found = np.array([angle, length])
-    for _ in range(6):
+    for _ in range(5):
         tried = found[:, None] + 1e-6 * np.array([[0, 1, -1, 0, 0], [0, 0, 0, 1, -1]])
         way = walk(*tried)
         end = way[-1]
@@ -78,6 +80,7 @@ def length_of(points):
 CORNERS = np.array([LOW, HIGH])
 
 
+@cache
 def longest(crank=SMALL, arm=LARGE):
     """Return the geodesic's length from corner to corner of the limits, and its positions."""
     return shortest(*CORNERS, torus(crank, arm), arm, 0.9, 1.8 * (crank + arm))
@@ -191,6 +194,7 @@ def unrolled(azimuth, away):
     return away[:, None] * np.stack([np.cos(turned), np.sin(turned)], axis=-1)
 
 
+@cache
 def cone_geodesic():
     half = np.array([np.pi / 2, SLANT / 2])
     return shortest(np.array([0, SLANT]), half, lambda u: (u / SLANT, 1 / SLANT), 1.0, 2.6, 1.27)
