@@ -1,15 +1,13 @@
-"""What the tests share: shapes at hard proportions, hypothesis strategies, exact arithmetic."""
+"""What the tests of the torus share: tori of hard proportions, pairs and ways on them."""
 
 import math
-from fractions import Fraction
 
 import numpy as np
 from hypothesis import strategies as st
 
+from tests.draws import log_uniform
 from tunneller_lib.paths import geodesic_root
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
-
-EPS = np.finfo(float).eps
 
 TORI = (
     Torus(1, 0.2),  # thin ring
@@ -20,6 +18,7 @@ TORI = (
     Torus(3e-3, 1e-3),
     Torus(2e5, 1e6),
 )
+PROOFS = Torus(1, 2), TORI[3], Torus(3, 24), TORI[1]  # where numbers stand for symbols
 
 
 # theta and phi at the machine's joint limits.
@@ -30,11 +29,6 @@ HIGH = REFERENCE_MACHINE.theta_max, REFERENCE_MACHINE.phi_max
 def joint_pairs(n, seed=0):
     """Return random pairs of positions (2, n, 2) within the machine's joint limits."""
     return np.random.default_rng(seed).uniform(LOW, HIGH, (2, n, 2))
-
-
-def log_uniform(low, high):
-    """Return a strategy of floats whose logarithm is spread evenly."""
-    return st.floats(np.log(low), np.log(high)).map(lambda x: float(np.exp(x)))
 
 
 tori = st.builds(
@@ -67,20 +61,9 @@ def ways_of(family, torus, a, b, unknowns, nodes=96):
     return np.array(found).T
 
 
-def directions(rng, n):
-    """Return n random unit vectors (n, 3)."""
-    v = rng.normal(size=(n, 3))
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
-
-
 def eq2(r, R, x, y, z):
     """Return the left side of Eq. 2 as printed, in the arithmetic of its arguments."""
     return (x**2 + y**2 + z**2 - (r**2 + R**2)) ** 2 - (2 * r) ** 2 * (R**2 - y**2)
-
-
-def fractions(*values):
-    """Return floats as exact fractions."""
-    return [Fraction(float(value)) for value in values]
 
 
 def off_surface(torus, points):

@@ -8,15 +8,12 @@ import itertools
 import numpy as np
 import sympy as sp
 
-from tunneller_lib.surfaces import Torus
-
 r, R, theta, phi = sp.symbols("r R theta phi", positive=True)
 t, u, k, H, h, f = sp.symbols("t u k H h f", positive=True)
 x, y, z, w = sp.symbols("x y z w")
 m = m1, m2, m3 = sp.symbols("m1:4")
 n = n1, n2, n3 = sp.symbols("n1:4")
 TORUS = (x**2 + y**2 + z**2 - (r**2 + R**2)) ** 2 - (2 * r) ** 2 * (R**2 - y**2)  # Eq. 2
-TORI = (Torus(1, 2), Torus(0.08, 0.8), Torus(3, 24), Torus(2, 1.5))
 
 
 def zero(expression):

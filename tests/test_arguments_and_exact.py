@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
-from tests.shapes import EPS
+from tests.draws import EPS
 from tunneller_lib import arguments
 from tunneller_lib.kernels import exact
 

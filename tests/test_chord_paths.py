@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.audit.long import many
+from tests.draws import log_uniform
 from tests.foot_lengths import length_of_feet
-from tests.shapes import joint_pairs, log_uniform
+from tests.shapes import joint_pairs
 from tunneller_lib.paths import CHORD_PATHS, geodesic_inverse, path_length, project_chord
 from tunneller_lib.paths.bounds import check_points
 from tunneller_lib.paths.chord_paths import ChordPath

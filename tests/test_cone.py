@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.shapes import EPS
+from tests.draws import EPS
 from tunneller_lib.surfaces import Cone
 
 angles = st.floats(0.01, 1.56)

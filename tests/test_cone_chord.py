@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import tanhsinh
 
-from tests.shapes import log_uniform
+from tests.draws import log_uniform
 from tunneller_lib.paths import ConeChord
 
 lengths = log_uniform(0.1, 10)

@@ -8,8 +8,8 @@ import numpy as np
 import sympy as sp
 
 from tests import symbols_envelopes as shared
+from tests.draws import directions
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
-from tests.shapes import directions
 from tests.symbols_envelopes import ANGLE, SMALL, cone_points, eq22, example, u, v, x, y
 from tunneller_lib.envelopes import ConePose, hyperosculating_cones, recognise
 from tunneller_lib.envelopes.families import moving_cone

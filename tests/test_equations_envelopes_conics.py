@@ -10,8 +10,8 @@ import numpy as np
 import sympy as sp
 
 from tests import symbols_envelopes as shared
+from tests.draws import directions
 from tests.envelopes_zoo import MOTIONS
-from tests.shapes import directions
 from tests.symbols_envelopes import ANGLE, EQ9, EQ11, UT, VT, D, F, at, g, t, tan, u, v, x, y, zero
 from tunneller_lib.envelopes import hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.adapted import adapted_frames

@@ -9,8 +9,8 @@ import sympy as sp
 from scipy.optimize import brentq
 
 from tests import symbols_envelopes as shared
+from tests.draws import directions
 from tests.envelopes_zoo import CURVES, GENERAL, GRID, RULED, pipe, ruled
-from tests.shapes import directions
 from tests.symbols_envelopes import EQ11, EQ25, F, W, at, general_jet, p, u, v, x, y, zero
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_derivatives, isotropic_jet

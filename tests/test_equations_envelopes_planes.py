@@ -9,8 +9,8 @@ import sympy as sp
 from numpy.polynomial import Polynomial
 
 from tests import symbols_envelopes as shared
+from tests.draws import directions
 from tests.envelopes_zoo import GENERAL, GRID, MOTIONS
-from tests.shapes import directions
 from tests.symbols_envelopes import ANGLE, g, t, x, y, zero
 from tunneller_lib.envelopes import hyperosculating_cones, isotropic
 from tunneller_lib.envelopes.adapted import adapted_frames, isotropic_jet, tangent_graph

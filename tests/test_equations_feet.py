@@ -11,8 +11,8 @@ import numpy as np
 import sympy as sp
 
 from tests import symbols_tunneller as shared
-from tests.shapes import joint_pairs
-from tests.symbols_tunneller import TORI, R, close, m1, m2, m3, n1, n2, n3, r, t, u, zero
+from tests.shapes import PROOFS, joint_pairs
+from tests.symbols_tunneller import R, close, m1, m2, m3, n1, n2, n3, r, t, u, zero
 from tunneller_lib.paths import project_chord
 from tunneller_lib.surfaces import Torus
 
@@ -155,7 +155,7 @@ def test_eq11_common_factor(judge):
 def test_nearest_foot(judge):
     # |MN| = |R - d+|, R + d+, |R - d-|, R + d-, with d- >= d+: the distances of M from the
     # meridian circles' centres. The first is least where d+ + d- > 2R, and nowhere else.
-    for torus in TORI[:3]:
+    for torus in PROOFS[:3]:
         centres = 2 * torus.R * shared.draw(13, 500, 3)
         rho = np.hypot(centres[:, 0], centres[:, 2])
         plus, minus = (np.hypot(rho - s * torus.r, centres[:, 1]) for s in (1, -1))
@@ -167,7 +167,7 @@ def test_nearest_foot(judge):
         assert 0 < np.sum(first) < len(first)
     # On the working sheet alone the nearest point is the working foot.
     nearest_of_sheet = []
-    for torus in TORI[:3]:
+    for torus in PROOFS[:3]:
         sheet = np.arccos(-torus.r / torus.R) * np.linspace(-1, 1, 4001)
         turns = np.pi * np.linspace(-1, 1, 101)[:, None]
         for centre in torus.point(*shared.draw(17, 8, 2).T) * 0.6:

@@ -11,7 +11,8 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
 
-from tests.symbols_tunneller import TORI, TORUS, R, at, draw, r, t, x, y, z, zero
+from tests.shapes import PROOFS
+from tests.symbols_tunneller import TORUS, R, at, draw, r, t, x, y, z, zero
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
 
@@ -123,7 +124,7 @@ def test_eq05_quartic(judge):
 
     judge("eq05", meets_the_torus(printed), right=meets_the_torus(corrected))
     # A second way, in numbers: the library's roots, by no polynomial.
-    for torus in TORI:
+    for torus in PROOFS:
         ends = torus.R * draw(6, 6, 40)
         met = torus.meet_line(ends[:3].T, ends[3:].T)
         values, size = (torus.r, torus.R, *ends), ((torus.r + torus.R) * (1 + np.abs(met))) ** 4
@@ -140,7 +141,7 @@ def test_greatest_x_root(judge):
     outer, inner = r + half, half - r
     assert zero(outer**2 - inner**2 - 4 * r * half)
     on_working_sheet = []
-    for torus in TORI[:3]:
+    for torus in PROOFS[:3]:
         ends = draw(7, 2, 400, 3) * torus.R
         ts = torus.meet_line(*ends)
         hit = ~np.isnan(ts[:, 1])

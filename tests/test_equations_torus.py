@@ -10,7 +10,8 @@ import itertools
 import numpy as np
 import sympy as sp
 
-from tests.symbols_tunneller import TORI, TORUS, R, at, close, draw, phi, r, theta, w, x, y, z, zero
+from tests.shapes import PROOFS
+from tests.symbols_tunneller import TORUS, R, at, close, draw, phi, r, theta, w, x, y, z, zero
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 READS = ["report/ledger/*"]
@@ -31,7 +32,7 @@ def test_ring_radius_words(judge):
     node = {x: 0, y: sp.sqrt(R**2 - r**2), z: 0}
     assert zero([TORUS.subs(node), *[TORUS.diff(v).subs(node) for v in (x, y, z)]])
     # A second way, measured on the library's tori: distances from a circle of either radius.
-    for torus in TORI:
+    for torus in PROOFS:
         x_, y_, z_ = torus.point(*3 * draw(30, 2, 50)).T
         ring, printed = (np.hypot(np.hypot(x_, z_) - size, y_) for size in (torus.r, torus.R))
         inner = np.hypot(np.hypot(x_, z_) + torus.r, y_)  # of the sheet beyond the axis
@@ -178,7 +179,7 @@ def test_eq02_expansion(judge):
     # The document's next line follows from the corrected one only.
     assert zero(corrected - (r**2 + 2 * r * R * sp.cos(phi) + R**2))
     # A second way, in numbers: the library's points, near and far.
-    for torus in TORI:
+    for torus in PROOFS:
         angles = draw(31, 2, 50)
         truth = np.sum(torus.point(*angles) ** 2, axis=-1) / torus.R**2
         values = (torus.r, torus.R, *angles)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.shapes import directions
+from tests.draws import directions
 from tunneller_lib.envelopes.developable import curve_derivatives, osculating_cone, tangent_planes
 from tunneller_lib.envelopes.families import cubic, helix
 from tunneller_lib.envelopes.isotropic import (

@@ -5,7 +5,7 @@ import pytest
 
 from exhibits.rod_cases import GENERATORS
 from tests.audit.long import many
-from tests.shapes import EPS
+from tests.draws import EPS
 from tests.test_equations_rod import distance_outside
 from tunneller_lib.surfaces import Rod, meet_box
 from tunneller_lib.surfaces.rod import meet_rods

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 
-from tests.shapes import log_uniform
+from tests.draws import log_uniform
 from tunneller_lib.motion import (
     Compressible,
     Integrator,

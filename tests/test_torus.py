@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
+from tests.draws import EPS, fractions
 from tests.references import tables, torus_feet
-from tests.shapes import EPS, TORI, eq2, fractions, off_surface, tori
+from tests.shapes import TORI, eq2, off_surface, tori
 from tunneller_lib.surfaces import Torus
 
 READS = ["tests/references/*"]

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.audit.long import many
-from tests.shapes import EPS, directions, eq2, off_surface, tori
+from tests.draws import EPS, directions
+from tests.shapes import eq2, off_surface, tori
 from tunneller_lib.surfaces import Torus
 
 GRID = 2.0**-40

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.integrate import quad
 
-from tests.shapes import log_uniform
+from tests.draws import log_uniform
 from tunneller_lib.removal import Ground
 from tunneller_lib.removal.volume import (
     advance_for_volume,
