@@ -5,6 +5,7 @@ import csv
 import numpy as np
 import pytest
 
+from tests.audit.long import many
 from tests.references import short_chords
 from tests.shapes import HIGH, LOW, joint_pairs
 from tunneller_lib.paths import (
@@ -22,10 +23,11 @@ READS = ["tests/references/*"]
 
 MACHINE = REFERENCE_MACHINE
 CORRECTED = CHORD_PATHS["corrected chord"]
+SOME = many(300, 1000)
 EVERY_PATH = CHORD_PATHS | SHORT_CHORD_PATHS
 
 
-def pairs(n=1_000, seed=0):
+def pairs(n=SOME, seed=0):
     """Return random pairs of positions, and those of a grid with the joint limits' corners."""
     p, q = joint_pairs(n, seed)
     grid = np.stack(np.meshgrid(*np.linspace(LOW, HIGH, 5).T, indexing="ij"), -1).reshape(-1, 2)
@@ -43,10 +45,10 @@ def steps(torus, way):
 
 
 def test_corrected_chord_is_within_a_millionth_of_the_geodesic():
-    p, q = pairs(5_000, seed=11)
+    p, q = pairs(many(1000, 5000), seed=11)
     found = excess(MACHINE.torus, CORRECTED, p, q)
     assert 0.93e-6 < found.max() <= 1e-6
-    assert np.median(found[:5_000]) <= 2e-10
+    assert np.median(found[:-300]) <= 2e-10
 
 
 def test_corrected_chord_leaves_the_geodesic_by_half_a_millimetre():
@@ -61,7 +63,7 @@ def test_waypoints_are_even():
     lengths = steps(MACHINE.torus, corrected_chord(MACHINE.torus, p, q, 33))
     ratio = lengths.max(axis=-1) / lengths.min(axis=-1)
     assert 1.03 < ratio.max() <= 1.04
-    assert np.median(ratio[:1_000]) < 1.0005
+    assert np.median(ratio[:-300]) < 1.0005
 
 
 def test_excess_falls_with_the_fourth_power_of_the_ratio():
