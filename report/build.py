@@ -134,11 +134,11 @@ def write_report():
     except ReportFailed as error:
         say(f"report/report.pdf left as it was: {error}")
         return 1
-    from report.site.machine import moving_file
+    from report.site.machine import moving_machine
     from tunneller_lib.atomic_write import replacement
 
     lists = {FIGURE_LIST: figure_list(), RECORD_LIST: record_list(), VERDICT_LIST: verdict_list()}
-    lists[MOVING] = moving_file()
+    lists[MOVING] = moving_machine()
     # The README is somebody's text with findings in it, which they may edit meanwhile.
     with replacement(README) as new:
         new.write_text(with_findings(README.read_text(encoding="utf-8")), encoding="utf-8")

@@ -6,9 +6,8 @@ from html import escape
 
 import nbformat
 
-from report.lists import judged
+from report.lists import MOVING, judged
 from report.site.chapter import page_name, title
-from report.site.machine import moving_machine
 from report.site.markup import attribute, markdown
 from report.site.pictures import packed
 from report.site.publish import Unavailable
@@ -57,7 +56,7 @@ def front_page(chosen, doors):
         "<h1>The open tunneller study</h1>",
         f'<p class="lead">{SENTENCE}</p>',
         markdown(judged(), lambda _: "supplement.html#verdicts"),
-        f'<div class="moving">{moving_machine()}',
+        f'<div class="moving">{MOVING.read_text(encoding="utf-8")}',
         '<button type="button" id="still" aria-pressed="false">Stop the motion</button></div>',
         f'<ul class="doors">{entries}</ul>',
         f"<p>{' · '.join(links)}</p>",

@@ -33,7 +33,7 @@ def seen(points):
 
 
 def moving_machine():
-    """Return a drawing, SVG, in which the reference machine follows its circuit."""
+    """Return a file of SVG in which the reference machine follows its circuit."""
     circuit = cutting_circuit(MACHINE, SECTION)
     theta, phi = circuit.position(np.linspace(0, circuit.profile.perimeter, PLACES)).T
     joint = np.stack([MACHINE.r * np.cos(theta), 0 * theta, -MACHINE.r * np.sin(theta)], axis=-1)
@@ -52,17 +52,13 @@ def moving_machine():
         f"{_values(balls[:, None])}/>{_ball()}</g>",
     ]
     ends = seen([(x, *place) for x in (BACK, FRONT) for place in np.concatenate(_profiles())])
-    box = " ".join(f"{number:.0f}" for number in (*ends.min(axis=0), *np.ptp(ends, axis=0)))
-    drawn = "".join(parts)
-    return f'<svg id="moving" role="img" aria-label="{SAID}" viewBox="{box}">{drawn}</svg>'
-
-
-def moving_file():
-    """Return the same drawing as a file of its own."""
-    head, box, rest = moving_machine().partition('viewBox="')
-    width, height = rest.partition('"')[0].split()[2:]
-    size = f'width="{width}" height="{height}" '
-    return f'{head}xmlns="http://www.w3.org/2000/svg" {size}{box}{rest}\n'
+    corner, size = (
+        " ".join(f"{n:.0f}" for n in one) for one in (ends.min(axis=0), np.ptp(ends, axis=0))
+    )
+    width, height = size.split()
+    form = f'xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}"'
+    about = f'id="moving" role="img" aria-label="{SAID}" {form} viewBox="{corner} {size}"'
+    return f"<svg {about}>{''.join(parts)}</svg>\n"
 
 
 def _tunnel():

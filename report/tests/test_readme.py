@@ -5,12 +5,15 @@ import shlex
 import subprocess
 from importlib.util import find_spec
 
+import numpy as np
 import pytest
 
 from report import lists
+from report.site import machine
 from report.sources import ROOT
 from tests.bench import times
 from tunneller_lib.__main__ import main
+from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 READS = [
     "README.md", "CONTRIBUTING.md", "Makefile", "notebooks/*.toml", "report/guide/*",
@@ -109,3 +112,14 @@ def test_block_without_its_marks_is_refused(missing):
     ]  # fmt: skip
     with pytest.raises(ValueError, match=r"^text: must have the lines <!-- found: begin --> and"):
         lists.with_block(text.replace(missing, "other"), "found", "new")
+
+
+def test_moving_machine_follows_the_circuit_on_its_arm():
+    drawing = machine.moving_machine()
+    places = re.search(r'<polyline class="arm".*?values="([^"]+)"', drawing)[1].split(";")
+    arms = np.array([[p.split(",") for p in place.split()] for place in places], dtype=float)
+    assert arms.shape == (machine.PLACES, 3, 2)
+    assert np.ptp(arms[:, 0], axis=0).max() == 0  # it stands
+    assert np.linalg.norm(arms[0, 2] - arms[-1, 2]) < 1  # it closes
+    longest = np.linalg.norm(arms[:, 2] - arms[:, 1], axis=1).max()
+    assert longest <= machine.SCALE * REFERENCE_MACHINE.R + 0.2

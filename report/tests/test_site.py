@@ -18,7 +18,7 @@ from fontTools.ttLib import TTFont
 from report.lists import judged
 from report.live.build import LivePages
 from report.site import build as pages
-from report.site import machine, paper
+from report.site import paper
 from report.site.chapter import Chapter, page_name, title
 from report.site.links import faults
 from report.site.markup import anchor, markdown, plain
@@ -27,7 +27,6 @@ from report.site.pictures import packed, sizes
 from report.site.policy import digest
 from report.site.search import script, sections, words
 from report.sources import ROOT, notebooks
-from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 # Not the report's words: test_paper_pages reads them, and the captions that chapters show, too.
 READS = [
@@ -154,17 +153,6 @@ def test_first_page_moves_and_leads_to_every_chapter(site):
     doors = re.findall(r'<a class="door" href="([^"]+)"><b>(\w+)', text)
     assert [word for _, word in doors] == ["Read", "Play", "Build"]
     assert "plan(cutting_circuit" in plain((site / doors[-1][0]).read_text())
-
-
-def test_moving_machine_follows_the_circuit_on_its_arm():
-    drawing = machine.moving_machine()
-    places = re.search(r'<polyline class="arm".*?values="([^"]+)"', drawing)[1].split(";")
-    arms = np.array([[p.split(",") for p in place.split()] for place in places], dtype=float)
-    assert arms.shape == (machine.PLACES, 3, 2)
-    assert np.ptp(arms[:, 0], axis=0).max() == 0  # it stands
-    assert np.linalg.norm(arms[0, 2] - arms[-1, 2]) < 1  # it closes
-    longest = np.linalg.norm(arms[:, 2] - arms[:, 1], axis=1).max()
-    assert longest <= machine.SCALE * REFERENCE_MACHINE.R + 0.2
 
 
 def test_library_has_every_public_name(site):
