@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tunneller_lib.__main__ import main, tell
 from tunneller_lib.job import read_job, results, tables
@@ -19,6 +21,7 @@ from tunneller_lib.job.tables import Size
 from tunneller_lib.motion import Compressible, Integrator, Lag, Rigid
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Body, Egg, Machine
+from tunneller_lib.terminal import fit
 
 READS = ["report/guide/command.md"]
 
@@ -365,3 +368,28 @@ def test_limits_of_plausible_sizes_pass_and_what_is_next_to_them_is_refused():
         with pytest.raises(ValueError, match=r"turn: must be at most 3\.2 rad"):
             tables.read_table("limits", {"turn": 1.01 * value}, sizes)
     assert tables.read_table("limits", {"turn_deg": 90}, sizes) == {"turn": np.pi / 2}
+
+
+# Lines that no terminal obeys.
+
+OBEYED = "a\x1b[2Jb\r\x07\n\x85\u202ec"  # clears, returns, rings, turns the writing's direction
+
+
+@given(st.text(st.characters()), st.integers(10, 60))
+def test_any_text_becomes_one_printable_line_of_bounded_length(text, most):
+    line = fit(text, most)
+    assert line.isprintable() and len(line) <= most
+    if text.isprintable() and len(text) <= most:
+        assert line == text
+
+
+@pytest.mark.parametrize("arguments", [("cut", f"{OBEYED}.toml"), (OBEYED,)])
+def test_a_name_that_a_terminal_would_obey_is_spelled_out(capsys, arguments):
+    try:
+        code = main([str(one) for one in arguments])
+    except SystemExit as end:  # of wrong usage
+        code = end.code
+    said, told = capsys.readouterr()
+    assert code == 2 and said == ""
+    assert all(line.isprintable() for line in told.split("\n"))
+    assert "\\x1b[2J" in told and len(told) < 1200

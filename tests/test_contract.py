@@ -18,7 +18,8 @@ import struct
 import time
 import types
 import warnings
-from dataclasses import dataclass, is_dataclass
+from copy import deepcopy
+from dataclasses import dataclass, fields, is_dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache, cached_property, partial
@@ -376,3 +377,17 @@ def test_rows_are_answered_as_they_are_alone_and_not_written_to(call):
                 rows, np.broadcast_to(one, rows.shape), rtol=1e-13, atol=1e-15
             )
             assert not any(np.may_share_memory(rows, row) for row in given.values())
+
+
+# What `==` and `hash` say of objects: of values, or of objects that hold arrays.
+
+
+@pytest.mark.parametrize("kind", [*filter(is_dataclass, INSTANCES)], ids=lambda kind: kind.__name__)
+def test_object_can_be_compared_and_hashed(kind):
+    one = instance(kind)
+    assert one == one
+    assert (one == deepcopy(one)) in (True, False)
+    assert one != 3
+    # What is equal by the values of a dict has no hash, as a dict has none.
+    if kind.__eq__ is object.__eq__ or not any(f.type is dict for f in fields(kind)):
+        assert len({one, one}) == 1
