@@ -58,6 +58,7 @@ def go(way, monkeypatch):
     amount = np.inf if way else -np.inf
     monkeypatch.setattr(compiled._Work, "of_kind", defaultdict(lambda: amount))
     monkeypatch.setattr(compiled._Work, "compiled", way)
+    assert compiled.ready("any") == way
 
 
 @pytest.fixture
