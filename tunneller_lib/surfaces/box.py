@@ -209,7 +209,14 @@ class Box(Solid):
 
     @property
     def capsule(self):
-        """Return the middle (3,), twice, and the radius of a ball about the box, in m."""
+        """Return the middle (3,), twice, and the radius of a ball about the box, in m.
+
+        Examples
+        --------
+        >>> middle, _, radius = Box((0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 1)).capsule
+        >>> middle.tolist(), round(radius, 6)
+        ([1.0, 1.0, 0.5], 1.5)
+        """
         half = np.add(np.add(self.x, self.y), self.z) / 2
         # A little more than half of the diagonal, for the edges are square only but for rounding.
         return self.corner + half, self.corner + half, float(norm(half)) * (1 + 1e-9)

@@ -65,6 +65,12 @@ class Egg(Section):
         ------
         ValueError
             If d >= a, where nothing of the section is left.
+
+        Examples
+        --------
+        >>> Egg(0.5).offset(0.5)  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ValueError: d: must be below the roof's radius a = 0.5 m, or nothing of the ...
         """
         a = self.a
         if d >= a:

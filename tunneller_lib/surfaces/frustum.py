@@ -78,6 +78,12 @@ class Frustum(Solid):
         >>> enter, leave = Frustum((0, 0, 0), (0, 0, 2), 1, 0).meet_line((-5, 0, 1), (1, 0, 0))
         >>> float(enter), float(leave)
         (4.5, 5.5)
+
+        A line has a direction:
+
+        >>> Frustum((0, 0, 0), (0, 0, 2), 1, 0).meet_line((-5, 0, 1), (0, 0, 0))
+        Traceback (most recent call last):
+        ValueError: direction: must not be zero; got (0, 0, 0).
         """
         shape = _Numbers(self.a, self.b, self.radius_a, self.radius_b)
         return meet_in_blocks(_carefully, shape, point, direction)

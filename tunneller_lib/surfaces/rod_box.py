@@ -46,6 +46,12 @@ def meet_box(rod: Rod, low: Corners, high: Corners):
     >>> bottom, top = meet_box(Rod((0, 0, 0), (0, 8, 0), 2), (1, 1), (3, 9))
     >>> float(top.round(6)), float(bottom.round(6))
     (1.732051, -1.732051)
+
+    A box may have no width; then it is a line.
+
+    >>> bottom, top = meet_box(Rod((0, 0, 1), (0, 0, 5), 2), (1, 0), (1, 0))
+    >>> float(bottom), float(top)
+    (1.0, 5.0)
     """
     low, high = np.broadcast_arrays(low, high)
     if not np.all(low <= high):

@@ -197,7 +197,13 @@ class Section:
 
     @checked
     def curvature(self, s: Lengths):
-        """Return the curvatures (...), in 1/m, at arc lengths s (...), in m; 0 on lines."""
+        """Return the curvatures (...), in 1/m, at arc lengths s (...), in m; 0 on lines.
+
+        Examples
+        --------
+        >>> closed_profile([Arc(0.0, 0.0, 0.5, 0.0, 2 * np.pi)]).curvature([0.1, 1.0])
+        array([2., 2.])
+        """
         return 1 / np.array([arc.radius for arc in self.arcs])[self._place(s)[1]]
 
     def _place(self, s):
