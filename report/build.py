@@ -14,8 +14,10 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import nullcontext
 
 from report.lists import (
+    DOCUMENTS,
     FIGURE_LIST,
     MOVING,
+    PDFS,
     README,
     RECORD_LIST,
     VERDICT_LIST,
@@ -35,9 +37,6 @@ from report.sources import (
     report_sources,
 )
 from report.state import NotebookFailed, State
-
-DOCUMENTS = ("report", "supplement", "corrigenda")
-PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
 
 
 def main():

@@ -12,8 +12,8 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from report.build import PDFS
 from report.compile import release_date
+from report.lists import PDFS
 from report.live.build import LIVE
 from report.sources import ROOT
 from tunneller_lib import __version__

@@ -12,6 +12,8 @@ FIGURE_LIST = ROOT / "figures" / "README.md"
 RECORD_LIST = ROOT / "report" / "records.csv"
 VERDICT_LIST = ROOT / "report" / "verdicts.csv"
 README = ROOT / "README.md"
+DOCUMENTS = "report", "supplement", "corrigenda"
+PDFS = {name: ROOT / "report" / f"{name}.pdf" for name in DOCUMENTS}
 MOVING = ROOT / "report" / "guide" / "machine.svg"
 
 USE = re.compile(r'\b(num|count|than|tabular|fig|picture)\(\s*"([^"]+)",\s*"([^"]+)"')

@@ -7,10 +7,11 @@ import shutil
 import pytest
 import typst
 
-from report.build import DOCUMENTS, PDFS
 from report.compile import ReportFailed, compile_report
 from report.lists import (
+    DOCUMENTS,
     FIGURE_LIST,
+    PDFS,
     RECORD_LIST,
     VERDICT_LIST,
     figure_list,

@@ -11,7 +11,7 @@ import sys
 import zlib
 from pathlib import Path
 
-from report.build import PDFS
+from report.lists import PDFS
 
 GLYPH = re.compile(rb"/Type ?/Font\b(?:(?!endobj).)*?/Subtype ?/(?:Type0|Type1|TrueType)", re.S)
 
