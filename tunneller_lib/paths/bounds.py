@@ -27,7 +27,15 @@ def check_points(n, shape):
 
 
 def check_on_sheet(torus, p, q):
-    """Raise ValueError where an end of a path (..., 2), in rad, isn't on the working sheet."""
+    """Raise ValueError where an end of a path (..., 2), in rad, isn't on the working sheet.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import Torus
+    >>> check_on_sheet(Torus(1, 2), np.array([0, 0]), np.array([0, 3]))
+    Traceback (most recent call last):
+    ValueError: q: must lie on the working sheet, r + R cos(phi) >= 0; got phi = 3 rad.
+    """
     for name, end in (("p", p), ("q", q)):
         inner = torus.r + torus.R * np.cos(end[..., 1]) < 0
         if np.any(inner):
@@ -38,7 +46,16 @@ def check_on_sheet(torus, p, q):
 
 
 def check_ratio(torus):
-    """Raise ValueError where one radius of a torus is over 1e100 times the other."""
+    """Raise ValueError where one radius of a torus is over 1e100 times the other.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import Torus
+    >>> check_ratio(Torus(1e100, 1))
+    >>> check_ratio(Torus(1e60, 1e-60))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: torus: r / R must be from 1e-100 to 1e+100, ...
+    """
     if not 1 / MOST_RATIO <= torus.r / torus.R <= MOST_RATIO:
         raise ValueError(
             f"torus: r / R must be from {1 / MOST_RATIO:g} to {MOST_RATIO:g}, so that nothing "

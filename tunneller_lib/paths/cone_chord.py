@@ -41,6 +41,12 @@ class ConeChord:
     -----
     Tunnelling robot, appendix. The document gives the point M only for f = 1/4; here f may be any.
     The document's theta = (S/R) phi is got by atan2, because phi passes 90 degrees on wide cones.
+
+    Examples
+    --------
+    >>> ConeChord(1, 1, 1e-9, 0.25)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: R, H, h: must be within a factor of 1e+08 of each other, or ...
     """
 
     R: Length

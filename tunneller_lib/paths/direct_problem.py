@@ -253,6 +253,9 @@ def half_swing(torus: Torus, clairaut: Lengths):
     >>> turned, length = half_swing(Torus(3, 1), 4)
     >>> round(float(turned / np.pi), 12), round(float(length / np.pi), 12)
     (0.5, 2.0)
+    >>> half_swing(Torus(3, 1), 2)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: clairaut: must be above 2 m and at most r + R = 4 m, or nothing swings; ...
     """
     check_ratio(torus)
     narrow = max(torus.r - torus.R, 0)

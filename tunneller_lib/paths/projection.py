@@ -68,6 +68,9 @@ def project_chord(
     array([[ 0. , -0.3],
            [ 0. ,  0. ],
            [ 0. ,  0.3]])
+    >>> project_chord(Torus(0.1, 0.9), (0, -0.3), (0, 3), 3)
+    Traceback (most recent call last):
+    ValueError: q: must lie on the working sheet, r + R cos(phi) >= 0; got phi = 3 rad.
     """
     check_on_sheet(torus, p, q)
     check_points(n, np.broadcast_shapes(p.shape, q.shape)[:-1])

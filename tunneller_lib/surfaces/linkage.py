@@ -243,6 +243,8 @@ def usual_linkages(R: Length):
     >>> lift, swing = usual_linkages(0.80)
     >>> round(lift.length(0.0), 4)
     0.4347
+    >>> lift.rod, swing.rod
+    (0.028, 0.022)
     """
     scale = R / USUAL_R
     lift = Linkage(

@@ -63,6 +63,11 @@ class Body:
     ValueError
         If length or width isn't above zero, a size of the holder is below zero, or the underside
         isn't below the top.
+
+    Examples
+    --------
+    >>> Body(length=1.2, width=0.3, low=-0.2, high=0.1).holder_length
+    0.0
     """
 
     length: Length
@@ -124,6 +129,13 @@ class Machine:
     -----
     Tunnelling robot, section 1.1. The joint limits are as printed, with the relations mended:
     "about -40 >= phi <= 40" can only mean -40 <= phi <= 40 (degrees).
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> replace(REFERENCE_MACHINE, phi_min=1.0, phi_max=1.0)
+    Traceback (most recent call last):
+    ValueError: phi_min: must be below phi_max, both in rad from -pi to pi; got 1 and 1.
     """
 
     r: Length

@@ -45,6 +45,14 @@ def nearest_in_disc(normal, axis):
     """Return the unit vectors (3, n) in a disc's plane that are nearest to `normal`, or zero.
 
     They are zero where `normal` is along the disc's axis.
+
+    Examples
+    --------
+    >>> nearly_along = np.array([[3e-200, 0.0], [4e-200, 0.0], [1.0, 1.0]])
+    >>> (nearest_in_disc(nearly_along, np.array([0.0, 0.0, 1.0])) + 0.0).round(12)
+    array([[0.6, 0. ],
+           [0.8, 0. ],
+           [0. , 0. ]])
     """
     aside = np.stack(accurate_products(np.broadcast_to(axis[:, None], normal.shape), normal))
     # They are brought near 1 by a power of two first: the squares of small ones would underflow.
