@@ -2,16 +2,12 @@
 
 Every task is decided by content (report/sources.py): a notebook is left alone when its sources are
 those of its last run and its results are still those it left then. `make stale` only says what
-would be done, and why. Modules that run notebooks or compile take seconds to import, so they are
-imported only where there is something to do.
+would be done, and why.
 """
 
 import os
-import shutil
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import nullcontext
 
 from report.lists import (
     DOCUMENTS,
@@ -27,16 +23,9 @@ from report.lists import (
     with_findings,
 )
 from report.lock import locked
-from report.sources import (
-    ROOT,
-    draws_scenes,
-    figure_files,
-    notebook_sources,
-    notebooks,
-    records,
-    report_sources,
-)
-from report.state import NotebookFailed, State
+from report.runs import recover, run_stale, say, told
+from report.sources import ROOT, figure_files, notebook_sources, notebooks, records, report_sources
+from report.state import State
 
 
 def main():
@@ -49,72 +38,6 @@ def main():
             return write_report()
         say("The index and report/report.pdf are left as they were, because of the failure above.")
         return 1
-
-
-def recover(root):
-    """Move into place what a killed build had finished, and remove what it hadn't."""
-    shutil.rmtree(root / "build" / "staging", ignore_errors=True)
-    for place in sorted((root / "build" / "ready").glob("*")):
-        from report.execute import publish
-
-        try:
-            publish(place)
-        except (OSError, ValueError, KeyError):  # damaged: its notebook is run again
-            shutil.rmtree(place, ignore_errors=True)
-
-
-def run_stale(chosen):
-    """Run the stale ones among some notebooks; tell whether all is well."""
-    sources = {notebook: notebook_sources(notebook) for notebook in chosen}
-    stale = drawable([n for n in chosen if State(ROOT, n.stem).stale(sources[n])])
-    stale.reverse()  # the later ones take longer: then no processor waits for one at the end
-    if not stale:
-        return True
-    from report.kernels import shared_imports
-
-    # The work is done in the kernels' own processes.
-    pool, failed = ThreadPoolExecutor(len(os.sched_getaffinity(0))), 0
-    with shared_imports() if len(stale) > 1 else nullcontext():
-        try:
-            futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
-            for number, future in enumerate(as_completed(futures), 1):
-                try:
-                    text = future.result()
-                except NotebookFailed as error:
-                    text, failed = f"failed: {error}", failed + 1
-                say(f"{number:2} of {len(stale)}  {text}")
-        finally:  # an interrupt or a full disk doesn't wait for the other notebooks
-            pool.shutdown(wait=False, cancel_futures=True)
-    return not failed
-
-
-def run(notebook, sources):
-    """Run a notebook and return a few words about it.
-
-    Raises
-    ------
-    NotebookFailed
-        If it doesn't come to its end.
-    """
-    from report.execute import run_notebook
-
-    begun = time.monotonic()
-    kept = run_notebook(notebook, sources)
-    same = " (unchanged, because the new ones differ in last bits only: {})"
-    said = f"{notebook.stem}, {time.monotonic() - begun:.1f} s"
-    return said + (same.format(", ".join(kept)) if kept else "")
-
-
-def drawable(chosen):
-    """Return the notebooks that can be run: without a GL library, those that draw no scene."""
-    scenes = [notebook for notebook in chosen if draws_scenes(notebook)]
-    if scenes:
-        from kit import gl
-
-        if said := gl.problem():
-            say(f"{said} {len(scenes)} notebooks draw some: they stay as they are committed.")
-            return [notebook for notebook in chosen if notebook not in scenes]
-    return chosen
 
 
 def write_report():
@@ -175,27 +98,6 @@ def forget_deleted_notebooks():
             gone = figure_files(ROOT / "notebooks" / numbers.name)
             for path in {numbers, *gone} - kept:
                 path.unlink(missing_ok=True)
-
-
-def say(text):
-    print(text, flush=True)
-
-
-def told(task):
-    """Return the exit code of a task; what stops the task is said in one sentence."""
-    try:
-        return task()
-    except KeyboardInterrupt:
-        print("Interrupted; the next build goes on from here.", file=sys.stderr)
-        return 130
-    except OSError as error:
-        where = f" ({error.filename})" if error.filename else ""
-        print(
-            f"The build stopped: {error.strerror}{where}. Finished notebooks are kept; "
-            "the next build goes on from here.",
-            file=sys.stderr,
-        )
-        return 1
 
 
 if __name__ == "__main__":

@@ -11,10 +11,10 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
-from report import build, execute, lock
-from report.build import recover, told
+from report import execute, lock, runs
 from report.execute import NotebookFailed, run_notebook
 from report.lock import locked
+from report.runs import recover, told
 from report.sources import ROOT, cells, file_digests, is_run, notebook_sources, notebooks, records
 from report.state import State
 
@@ -236,7 +236,7 @@ def three(tmp_path, monkeypatch):
         path.parent.mkdir(exist_ok=True)
         write(path, "1 / 0")
     (tmp_path / "environment.txt").touch()
-    monkeypatch.setattr(build, "ROOT", tmp_path)
+    monkeypatch.setattr(runs, "ROOT", tmp_path)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
     return notebooks(tmp_path)
 
@@ -245,8 +245,8 @@ def test_notebooks_that_fail_are_told_and_do_not_stop_the_others(three, monkeypa
     def fail(notebook, sources):
         raise NotebookFailed(notebook.name)
 
-    monkeypatch.setattr(build, "run", fail)
-    assert not build.run_stale(three)
+    monkeypatch.setattr(runs, "run", fail)
+    assert not runs.run_stale(three)
     said = capsys.readouterr().out.splitlines()
     assert said == [f" {k} of 3  failed: 0{4 - k}_test.ipynb" for k in (1, 2, 3)]
 
@@ -292,6 +292,7 @@ def test_state_that_is_none_is_no_state(tmp_path, text):
 
 
 HOLD = """import sys, time; from pathlib import Path; from report.lock import locked
+from report.runs import recover, told
 with locked("a task", root=Path(sys.argv[1])): print("got it", flush=True); time.sleep(60)"""
 
 
