@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Array, Length0, Lengths, Whole, checked
+from ..arguments import Array, Length0, Lengths, Whole, checked, shown
 from ..paths import corrected_chord, project_chord
 from ..paths.circuit import Circuit
 
@@ -142,6 +142,20 @@ def route_through(
     -------
     route : Route
         The route, without a corner where it begins and ends.
+
+    Raises
+    ------
+    ValueError
+        If `way` doesn't return such positions.
+
+    Examples
+    --------
+    >>> from tunneller_lib.paths import cutting_circuit
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+    >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    >>> route_through(circuit, [0.0, 1.0], way=lambda p, q, count: count)
+    Traceback (most recent call last):
+    ValueError: way: must return positions, numbers (2, 17, 2); got array(17).
     """
     torus = circuit.machine.torus
     places = np.append(knots, circuit.profile.perimeter)
@@ -149,6 +163,8 @@ def route_through(
     at[-1] = at[0]  # not off by a rounding
     way = way or path_points(torus, "projected chord")
     path = np.asarray(way(at[:-1], at[1:], SAMPLES))
+    if path.shape != (shape := (len(knots), SAMPLES, 2)) or path.dtype.kind not in "if":
+        raise ValueError(f"way: must return positions, numbers {shape}; got {shown(path)}.")
     splines = _splines(np.moveaxis(path, 1, 0))
     # The arcs are equal, so any mean of the speed over the shares is the length.
     middle = _power(splines, 0.5 / (SAMPLES - 1), 0), _power(splines, 0.5 / (SAMPLES - 1), 1)
