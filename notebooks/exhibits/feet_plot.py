@@ -42,9 +42,8 @@ def draw_tangent_spheres(ax, torus, m):
     """
     draw_meridian(ax, torus)
     for index, foot in enumerate(torus.feet(m)):
-        colour = COLOURS["tangent sphere"] if index == 0 else COLOURS["cutter"]
-        radius = np.hypot(*(foot - m)[:2])
-        width = 1.4 if index == 0 else 0.6
+        name, width = ("cutter", 0.6) if index else ("tangent sphere", 1.4)
+        colour, radius = COLOURS[name], np.hypot(*(foot - m)[:2])
         ax.add_patch(Circle(m[:2], radius, fill=False, color=colour, lw=width))
         ax.plot(*np.transpose([m[:2], foot[:2]]), color=colour, lw=width, marker=".")
         signs = "({:+d}, {:+d})".format(*FEET[index])
@@ -74,11 +73,9 @@ def draw_feet_along_axis(ax, torus, m):
     around = np.linspace(0, 2 * np.pi, 200)
     colour, width = ("error", 2.0) if whole else ("cutter", 0.8)
     for radius in (torus.R + torus.r, torus.R - torus.r):
-        circle = radius * np.array([np.cos(around), np.sin(around)])
-        ax.plot(*circle, color=COLOURS[colour], lw=width)
-    feet = torus.feet(m)
+        ax.plot(radius * np.cos(around), radius * np.sin(around), color=COLOURS[colour], lw=width)
     ax.axline((0, 0), (m[0], m[2]), color=COLOURS["chord"], lw=0.6, ls="--")
-    ax.plot(feet[:, 0], feet[:, 2], "o", color=COLOURS["tangent sphere"])
+    ax.plot(*torus.feet(m).T[[0, 2]], "o", color=COLOURS["tangent sphere"])
     ax.plot(m[0], m[2], "s", color=COLOURS["chord"])
     ax.annotate("M", (m[0], m[2]), (4, -11), textcoords="offset points")
     ax.annotate("axis", (0, 0), (3, -11), textcoords="offset points")
