@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import Array, Length0, Lengths, Whole, checked, shown
+from ..arguments import Array, Length0, Lengths, Positions, Whole, checked, rule_of, shown
 from ..paths import corrected_chord, project_chord
 from ..paths.circuit import Circuit
 
@@ -153,18 +153,18 @@ def route_through(
     >>> from tunneller_lib.paths import cutting_circuit
     >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
     >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
-    >>> route_through(circuit, [0.0, 1.0], way=lambda p, q, count: count)
+    >>> route_through(circuit, [0.0, 1.0], way=lambda p, q, count: (0, 0))
     Traceback (most recent call last):
-    ValueError: way: must return positions, numbers (2, 17, 2); got array(17).
+    ValueError: way: must return positions (2, 17, 2); got array([0., 0.]).
     """
     torus = circuit.machine.torus
     places = np.append(knots, circuit.profile.perimeter)
     at = circuit.position(places)
     at[-1] = at[0]  # not off by a rounding
     way = way or path_points(torus, "projected chord")
-    path = np.asarray(way(at[:-1], at[1:], SAMPLES))
-    if path.shape != (shape := (len(knots), SAMPLES, 2)) or path.dtype.kind not in "if":
-        raise ValueError(f"way: must return positions, numbers {shape}; got {shown(path)}.")
+    path = rule_of(Positions).check("way", way(at[:-1], at[1:], SAMPLES))
+    if path.shape != (shape := (len(knots), SAMPLES, 2)):
+        raise ValueError(f"way: must return positions {shape}; got {shown(path)}.")
     splines = _splines(np.moveaxis(path, 1, 0))
     # The arcs are equal, so any mean of the speed over the shares is the length.
     middle = _power(splines, 0.5 / (SAMPLES - 1), 0), _power(splines, 0.5 / (SAMPLES - 1), 1)
