@@ -4,6 +4,7 @@ Everything is in the frame of the tunnel: x ahead, y to the left, z up, in m.
 """
 
 import numpy as np
+import pyvista
 
 from kit import scene
 from kit.style import COLOURS, ERROR_MAP
@@ -81,11 +82,10 @@ def posed_machine(cut, tick):
     unstepped = centre + np.array([float(plan.stepped(tick)), 0.0, -circuit.machine.height])
     torus = circuit.machine.torus
     theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
-    place = np.eye(4)
-    place[:3, :3] = circuit.axes
-    place[:3, 3] = centre - circuit.axes @ torus.point(theta, phi)
+    away = centre - circuit.axes @ torus.point(theta, phi)
+    place = pyvista.Transform().rotate(circuit.axes).translate(away)
     parts = machine_model(circuit.machine, theta, phi)
-    return [(mesh.transform(place, inplace=False), look) for mesh, look in parts]
+    return [(place.apply(mesh), look) for mesh, look in parts]
 
 
 def cut_scene(cut, tick=None, *, wall, bar=True):

@@ -21,6 +21,7 @@ from .style import COLOURS, STYLE, TEXT_WIDTH
 ASLANT = 1.0, -1.5, 0.8  # towards the camera
 UP = 0.0, 0.0, 1.0
 MARGIN = 1 / 80  # of a window's width: white that is left around a picture
+ROUGH = 8  # times as small as a picture is the one that shows where it isn't white
 BESIDE_OTHERS = 0.7  # of a window for pictures up to half as wide as the text
 WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
 LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
@@ -55,7 +56,7 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
         look(plotter, direction, up, zoom)
     if width <= TEXT_WIDTH / 2:
         plotter.window_size = [round(BESIDE_OTHERS * size) for size in plotter.window_size]
-    pixels = plotter.screenshot(return_img=True)
+    pixels = _pixels(plotter)
     if letters:
         pixels = _lettered(plotter, pixels, letters, LETTER / width * crop(pixels).shape[1])
     if folder := os.environ.get("TUNNELLER_SCENES"):
@@ -104,15 +105,7 @@ def crop(pixels):
     pixels : (n, m, 3) uint8
         The part that shows something, or all of an empty picture.
     """
-    drawn = np.any(pixels != 255, axis=-1)
-    if not drawn.any():
-        return pixels
-    rows = np.flatnonzero(drawn.any(axis=1))
-    columns = np.flatnonzero(drawn.any(axis=0))
-    margin = round(MARGIN * pixels.shape[1])
-    top = max(rows[0] - margin, 0)
-    left = max(columns[0] - margin, 0)
-    return pixels[top : rows[-1] + margin + 1, left : columns[-1] + margin + 1]
+    return pixels[_drawn(pixels, round(MARGIN * pixels.shape[1]))]
 
 
 def live(plotter, title):
@@ -172,6 +165,42 @@ def refill(plotter, other):
     for name, actor in other.actors.items():
         plotter.add_actor(actor, name=name, reset_camera=False, render=False)
     other.close()
+
+
+def _drawn(pixels, margin):
+    """Return the slices, for rows and columns, of what isn't white, and a margin; or of all."""
+    drawn = np.any(pixels != 255, axis=-1)
+    if not drawn.any():
+        return slice(None), slice(None)
+    ends = [np.flatnonzero(drawn.any(axis=axis))[[0, -1]] for axis in (1, 0)]
+    return tuple(slice(max(first - margin, 0), last + margin + 1) for first, last in ends)
+
+
+def _pixels(plotter):
+    """Return all pixels of a scene's window, of which those that stay white aren't rendered.
+
+    They would take as long as the others. A rough picture shows where they are.
+    """
+    width, height = plotter.window_size
+    window, camera = plotter.render_window, plotter.camera
+    window.SetSize(width // ROUGH, height // ROUGH)
+    rough = plotter.screenshot(return_img=True)
+    pixels = np.full((height, width, 3), 255, np.uint8)
+    box = _drawn(rough.repeat(ROUGH, axis=0).repeat(ROUGH, axis=1), 2 * ROUGH)
+    rows, columns = (range(n)[one] for n, one in zip((height, width), box, strict=True))
+    whole = camera.copy()
+    share = len(rows) / height
+    camera.parallel_scale *= share
+    half = np.arctan(share * np.tan(np.radians(camera.view_angle / 2)))
+    camera.view_angle = 2 * np.degrees(half)
+    right = (columns[0] + columns[-1] + 1 - width) / len(columns)
+    camera.SetWindowCenter(right, (height - rows[0] - rows[-1] - 1) / len(rows))
+    window.SetSize(len(columns), len(rows))
+    plotter.render()
+    pixels[box] = plotter.image
+    window.SetSize(width, height)
+    camera.DeepCopy(whole)
+    return pixels
 
 
 def _lettered(plotter, pixels, letters, size):

@@ -28,6 +28,10 @@ WORDS = {"must": "need not", "needs": "excludes", "got": "wanted", "least": "mos
          "before": "after", "after": "before", "ascending": "descending", "first": "last",
          "last": "first"}  # fmt: skip
 CHECKS = re.compile(r"_?(check|refuse|require)")  # functions that only look
+# How arrays lie, how often a loop may run, and how long.
+LAYOUT = "reshape moveaxis expand_dims swapaxes range lru_cache expect".split()
+# Constants that choose how much is done at a time, or which form: the bits are the same.
+ONLY_TIME = re.compile(r"BLOCK|EACH|LONG|MOVE|POSES|SECONDS|PLAIN_\w+")
 
 
 def rules_in(source):
@@ -198,14 +202,18 @@ class Places(ast.NodeVisitor):
     def rounding(self, node):
         self.replace("tolerance", node, *(f"({by} * {self.text(node)})" for by in ("1e3", "1e-3")))
 
+    def visit_Assign(self, node):
+        if not ONLY_TIME.match(ast.unparse(node.targets[0]).strip("(")):
+            self.visit(node.value)
+
     def visit_keyword(self, node):
         if node.arg not in ("axis", "ndim", "shape", "stacklevel", "decimals", "initial"):
             self.visit(node.value)
 
     def visit_Call(self, node):
         name = ast.unparse(node.func).rpartition(".")[2]
-        if name in ("reshape", "moveaxis", "expand_dims", "swapaxes", "range", "lru_cache"):
-            return  # how arrays lie and how often a loop may run
+        if name in LAYOUT:
+            return
         self.generic_visit(node)
         if name in ("maximum", "clip", "where"):  # what keeps a divisor from being 0
             for argument in node.args[1:]:

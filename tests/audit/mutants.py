@@ -63,7 +63,7 @@ TABLE = ROOT / "tests" / "audit" / "mutants.csv"
 REASONS = ROOT / "tests" / "audit" / "mutants.toml"
 COLUMNS = ["file", "line", "kind", "before", "after", "killed by"]
 SEED = "tunneller"
-LENGTHS = 80, 200  # lines from which on a module has a second fault, and a third
+LENGTHS = 60, 120, 200  # lines from which on a module has one fault more
 
 NEAR, CHUNK = 3, 8  # files of tests that run together: the nearest, then the others
 NEAREST, TESTS, NOTEBOOKS = range(3)  # how far a fault has got
