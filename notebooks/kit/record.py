@@ -319,7 +319,7 @@ def _canvas(figure):
 
 
 def _png(pixels):
-    return _encoded(pixels, format="png", optimize=True)
+    return _encoded(pixels, format="png")
 
 
 def _encoded(pixels, **how):

@@ -31,7 +31,7 @@ CHECKS = re.compile(r"_?(check|refuse|require)")  # functions that only look
 # How arrays lie, how often a loop may run, and how long.
 LAYOUT = "reshape moveaxis expand_dims swapaxes range lru_cache expect".split()
 # Constants that choose how much is done at a time, or which form: the bits are the same.
-ONLY_TIME = re.compile(r"BLOCK|EACH|LONG|MOVE|POSES|SECONDS|PLAIN_\w+")
+ONLY_TIME = re.compile(r"BLOCK|EACH|LONG|MOVE|POSES|SECONDS|TRIES|PLAIN_\w+")
 
 
 def rules_in(source):
