@@ -68,6 +68,19 @@ def each_block(work, count, size, kind):
         Of all rows, and of those of a block.
     kind : object
         As for `expect`.
+
+    Examples
+    --------
+    Where nothing is compiled all blocks are done by the caller's own thread, as a web page needs,
+    which can't start another:
+
+    >>> blocks, threads = [], set()
+    >>> def note(rows):
+    ...     blocks.append((rows.start, rows.stop))
+    ...     threads.add(threading.current_thread())
+    >>> each_block(note, 5, 2, "rows of an example")
+    >>> blocks, threads == {threading.current_thread()}
+    ([(0, 2), (2, 4), (4, 6)], True)
     """
     blocks = [slice(first, first + size) for first in range(0, count, size)]
     cores = min(len(blocks), sys.modules["numba"].config.NUMBA_NUM_THREADS) if ready(kind) else 1

@@ -64,6 +64,15 @@ class ChordPath:
         ValueError
             If an end isn't on the working sheet, or no path leads from one to the other, as along
             a chord through the centre of the torus.
+
+        Examples
+        --------
+        A path may give up by numbers that aren't finite:
+
+        >>> lost = ChordPath("mine", lambda torus, p, q, t: np.full((3, 2), np.nan), "error", "-")
+        >>> lost(Torus(1, 0.5), (0, 0), (1, 0), (0.0, 0.5, 1.0))  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ValueError: p, q: must be ends that mine can join, with a chord that ...; got others.
         """
         check_on_sheet(torus, p, q)
         with np.errstate(all="ignore"):  # where there is no path the next lines raise

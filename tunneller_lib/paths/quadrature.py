@@ -138,6 +138,26 @@ def path_lengths(torus, way, p, q):
     """Return the lengths (...), in m, of paths on a torus from p to q (..., 2), by their way.
 
     They are as exact as `panels` says, and it refuses the same paths.
+
+    Examples
+    --------
+    All of these run along an outer equator of radius 2 m. One comes back over the seam of its
+    angles, another has been round many times, and a short one goes to the wrong side first.
+
+    >>> from tunneller_lib.surfaces import Torus
+    >>> torus = Torus(1, 1)
+    >>> def straight(p, q, t):
+    ...     return p[:, None] + t[:, None] * (q - p)[:, None]
+    >>> def reduced(p, q, t):
+    ...     return np.mod(straight(p, q, t) + np.pi, 2 * np.pi) - np.pi
+    >>> def turning(p, q, t):
+    ...     return straight(p, q, np.interp(t, [0, 0.3, 1], [0, -0.5, 1]))
+    >>> float(path_lengths(torus, reduced, (3, 0), (3.5, 0)).round(9))
+    1.0
+    >>> float(path_lengths(torus, straight, (1e8, 0), (1e8 + 0.5, 0)).round(6))
+    1.0
+    >>> float(path_lengths(torus, turning, (0.1, 0), (0.1001, 0)).round(12))
+    0.0004
     """
 
     def of_block(ends):

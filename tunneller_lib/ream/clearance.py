@@ -101,7 +101,16 @@ def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None 
 
 
 def _least(name, depth, s):
-    """Return the `PartClearance` of depths at arc lengths s, or of one for a part at rest."""
+    """Return the `PartClearance` of depths at arc lengths s, or of one for a part at rest.
+
+    Examples
+    --------
+    The place is the first one, but for rounding; a tenth of a nanometre is more than that.
+
+    >>> s = np.array([0.0, 1.0, 2.0])
+    >>> [_least("arm", np.array([0.5, 0.1 + more, 0.1]), s).place for more in (1e-15, 1e-10)]
+    [1.0, 2.0]
+    """
     if np.ndim(depth) == 0:
         return PartClearance(name, float(depth), None)
     # The first of those that differ by rounding only, as all of an aligned arm's do.

@@ -179,6 +179,20 @@ def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
     ------
     ValueError
         If the cut has no track.
+
+    Examples
+    --------
+    >>> from tunneller_lib.motion import Lag
+    >>> from tunneller_lib.motion.sizing import usual_sizes
+    >>> from tunneller_lib.paths import cutting_circuit
+    >>> from tunneller_lib.ream import Limits, carve, plan
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+    >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    >>> lap = plan(circuit, Limits(feed=0.1, acceleration=0.5), tolerance=1e-3)
+    >>> cut = carve(lap, lap.setvalues, shape=(20, 40))
+    >>> used(lap, Lag(0.5, 0.02), cut, usual_sizes(REFERENCE_MACHINE))
+    Traceback (most recent call last):
+    ValueError: cut: must have a track, as by `simulate`; got one without.
     """
     if cut.track is None:
         raise ValueError("cut: must have a track, as by `simulate`; got one without.")

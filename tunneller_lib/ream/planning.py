@@ -235,6 +235,18 @@ def plan(
     >>> lap = plan(circuit, Limits(feed=0.1, acceleration=0.5), tolerance=1e-3)
     >>> len(lap.knots), round(lap.lap_time)
     (36, 31)
+
+    A single lap has its rest, of 1 s, and no step at its end:
+
+    >>> round(lap.times["rest"], 6), round(lap.times["step"], 6)
+    (1.0, 0.0)
+
+    A step may be as short as the way of a tick at the greatest feed; then a move is a tick long:
+
+    >>> farthest = float(np.diff(lap.reached).max())
+    >>> finest = plan(circuit, lap.limits, tolerance=1e-3, step=farthest)
+    >>> int(finest.ticks[:-1].max()), round(finest.lap_time)
+    (1, 31)
     """
     knots = circuit.knots(tolerance, path=path)
     if len(knots) < 2:
@@ -347,7 +359,16 @@ def _moments(moves, speed):
 
 
 def _sampled(length, speed, moment, tick):
-    """Return the place before each whole tick, and the lengths of way (ticks + 1,) there."""
+    """Return the place before each whole tick, and the lengths of way (ticks + 1,) there.
+
+    Examples
+    --------
+    A way that is over at a whole tick but for rounding asks for no other one:
+
+    >>> rounded = np.array([0.0, 1 + 1e-10])
+    >>> _sampled(np.array([0.0, 1.0]), np.array([1.0, 1.0]), rounded, 0.25)[1].round(6).tolist()
+    [0.0, 0.25, 0.5, 0.75, 1.0]
+    """
     time = tick * np.arange(max(np.ceil(moment[-1] / tick - 1e-9), 1.0) + 1)
     i = np.clip(np.searchsorted(moment, time, side="right") - 1, 0, len(moment) - 2)
     # At constant acceleration between two places, also if the run is slower than its feed.

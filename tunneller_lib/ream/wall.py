@@ -177,6 +177,20 @@ def lap_volume(circuit: Circuit, advance: Length):
     ------
     ValueError
         If the cusps are as high as the cut is deep.
+
+    Examples
+    --------
+    >>> from tunneller_lib.paths import cutting_circuit
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
+    >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    >>> round(lap_volume(circuit, 0.05), 5)
+    0.00393
+
+    Passes farther apart than the cutter is thick leave cusps as high as its radius:
+
+    >>> lap_volume(circuit, 0.5)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: advance: must leave cusps below ...; got 0.5 m, which leaves 0.2 m.
     """
     profile = circuit.profile
     radius = circuit.machine.cutter_radius

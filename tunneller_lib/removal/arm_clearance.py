@@ -101,6 +101,8 @@ def solid_clearance(
     0.1
     >>> float(solid_clearance(Egg(0.5), capsule, place=(0, 0.05, 0)).round(12))
     0.05
+    >>> float(solid_clearance(Egg(0.5), capsule, turn=AS_GIVEN).round(12))
+    0.1
     """
     turn, place = np.array(turn), np.array(place)
     shape = np.broadcast_shapes(turn.shape[:-2], place.shape[:-1])

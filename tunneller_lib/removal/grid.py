@@ -236,7 +236,14 @@ def swept(x, aside, radius, seen):
 
 
 def parallel(low, high, shape):
-    """Return lines along z at the middles of shape = (n, m) cells from low to high (2,), in m."""
+    """Return lines along z at the middles of shape = (n, m) cells from low to high (2,), in m.
+
+    Examples
+    --------
+    >>> lines = parallel((0, 1), (4, 3), (2, 4))
+    >>> lines.x.tolist(), lines.aside.tolist(), lines.cell
+    ([1.0, 3.0], [1.25, 1.75, 2.25, 2.75], 1.0)
+    """
     x = _middles(low[0], high[0], shape[0])
     y = _middles(low[1], high[1], shape[1])
     cell = (high[0] - low[0]) * (high[1] - low[1]) / (shape[0] * shape[1])
