@@ -280,7 +280,7 @@ class _Channel(Envelope):
 
         Examples
         --------
-        Principal radii that differ by a millionth of a tenth tell two directions, equal ones none.
+        Radii that differ by a ten-millionth tell the principal directions, equal ones don't:
 
         >>> from .jet import jet_variables
         >>> x, y = jet_variables([0.0], [0.0])

@@ -198,7 +198,7 @@ def _between(patch, distance, tip, axis, s, t, n):
 
     Examples
     --------
-    The place is found to 1/54 of a cell, and a distance of 0.5 m to a ball by its square.
+    A place is found to 1/54 of a cell, so that a ball's distance, 0.5 m, is off by 0.1 mm:
 
     >>> flat = Patch(lambda s, t: [s, t, 0 * s], (0, 1), (0, 1))
     >>> tip, up, corner = np.array([[0.4, 0.4, 0.5]]), np.array([[0.0, 0.0, 1.0]]), np.zeros(1)

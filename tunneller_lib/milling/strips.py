@@ -73,7 +73,7 @@ def _closer(points, mill, motion, where, step, last):
 
     Examples
     --------
-    With 12 halvings a ball that moves by metres is found to 1/65536 of its way to the next place:
+    After 12 halvings the nearest place of a ball is known to 1/65536 of the way between positions:
 
     >>> along, no, up = np.arange(6.0), np.zeros(6), np.tile([0.0, 0.0, 1.0], (6, 1))
     >>> motion = motion_through(np.stack([along, no, no], axis=-1), up)
@@ -410,7 +410,7 @@ def find_scallops(patch: Patch, mill: Mill, chains: Chains, *, m: Whole(2, 500) 
 
     Examples
     --------
-    Between two ways of a ball 4 mm apart the ridge is 417 um high. None of the points lies on it:
+    Two ways of a ball, 4 mm apart, leave a ridge 417 um high; points beside its crest are lower:
 
     >>> plane = Patch(lambda s, t: [s, t, 0 * s], (0, 0.02), (0, 0.02))
     >>> up = np.tile([0.0, 0.0, 1.0], (6, 1))
