@@ -110,7 +110,14 @@ def _line(degree):
 
 
 def _polished(waves, angle, most, order=0):
-    """Return angles after two Newton steps to zeros of a derivative, none of `most` or longer."""
+    """Return angles after two Newton steps to zeros of a derivative, none of `most` or longer.
+
+    Examples
+    --------
+    >>> near = np.array([[0.01, 3.14]])
+    >>> _polished(Waves(np.sin, 1), near, 0.1).round(6) + 0.0
+    array([[0.      , 3.141593]])
+    """
     for _ in range(2):
         value, slope = (waves.derivative(angle, k) for k in (order, order + 1))
         with np.errstate(all="ignore"):

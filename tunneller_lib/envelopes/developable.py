@@ -76,6 +76,12 @@ def tangent_planes(curve: Function(1), s: Reals):
     ------
     ValueError
         As by `curve_derivatives`, or if one of the points is one of inflexion.
+
+    Examples
+    --------
+    >>> helix = lambda s: [1e-29 * np.cos(s), 1e-29 * np.sin(s), 1e-29 * s]  # however small
+    >>> tangent_planes(helix, 0.0)[0].round(6) + 0.0
+    array([ 0.      , -0.707107,  0.707107])
     """
     point, velocity, acceleration, _ = curve_derivatives(curve, s)
     n = _binormal(velocity, acceleration)

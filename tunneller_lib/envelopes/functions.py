@@ -48,6 +48,13 @@ def _varying(name, value):
 
 
 def _are_units(array):
+    """Return whether vectors (..., 3) all have the length 1, but for a millionth.
+
+    Examples
+    --------
+    >>> bool(_are_units(np.array([0.6, 0.0, 0.8]))), bool(_are_units(np.array([0.0, 0.0, 2.0])))
+    (True, False)
+    """
     return np.all(np.abs(norm(array) - 1) <= _UNIT)
 
 

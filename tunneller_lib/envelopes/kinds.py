@@ -276,6 +276,20 @@ class _Channel(Envelope):
         return Forms(_along(f, 1, 1), third, 2, frobenius(off, 2), frobenius(off, 3), whole)
 
     def residual(self, f, size):
+        """Return how far f_eee is from 0 in the principal directions, as a share; and no size.
+
+        Examples
+        --------
+        Radii that differ by a ten-millionth tell the principal directions, equal ones don't:
+
+        >>> from .jet import jet_variables
+        >>> x, y = jet_variables([0.0], [0.0])
+        >>> uneven = (x**3 + y**3) / 6
+        >>> nearly, equal = (((1 + part) * x * x + y * y) / 2 + uneven for part in (1e-7, 0.0))
+        >>> channel = KINDS["channel"]
+        >>> round(channel.residual(nearly, None)[0], 3), channel.residual(equal, None)[0]
+        (0.354, 0.0)
+        """
         low, high, _ = principal(f)
         # f_ew = 0 in the principal directions alone: of the two, the better one counts.
         left = np.abs(derivative_along(f, _principal_ways(f), 3)).min(axis=-1)

@@ -158,6 +158,10 @@ def fit_surface(
     >>> n /= norm(n)[:, None]  # of a ball, which are its points as well
     >>> fit_surface(n, n, contact_error=0.0, normal_error=1e-6).fits
     True
+    >>> upright = np.tile([0.0, 0.0, 1.0], (300, 1))
+    >>> fit_surface(n[:, 2:] * upright, upright, contact_error=0.0, normal_error=1e-6)
+    Traceback (most recent call last):
+    ValueError: contact: must not lie on a line along the mean normal, or at one place.
     """
     contact, n = (part.reshape(-1, 3) for part in np.broadcast_arrays(contact, n))
     if len(contact) < FEWEST:

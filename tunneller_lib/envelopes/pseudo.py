@@ -46,6 +46,9 @@ def pseudo_envelope(half_angle: HalfAngle, *, offset: Coordinate = 0.0):
     >>> f = pseudo_envelope(np.radians(20))
     >>> float(np.round(f(0.2, 0.15), 6))
     -0.982232
+    >>> f(np.tan(np.pi / 4 - np.radians(20) / 2), 0.0)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: x, y: must lie between the origin and the circle of radius 0.700208; got ...
     """
     end = np.tan(np.pi / 4 - half_angle / 2)
 

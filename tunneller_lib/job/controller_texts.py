@@ -30,7 +30,14 @@ XML_HEAD = """
 
 @checked
 def c99_header(made: Program):
-    """Return the header of a `Program` in C99: contract, types and prototypes."""
+    """Return the header of a `Program` in C99: contract, types and prototypes.
+
+    Examples
+    --------
+    >>> made = Program("(* What the valves need. *)", "", slow=4, trip=0.01)
+    >>> c99_header(made).splitlines()[0]
+    '/* What the valves need. '
+    """
     contract = made.text[2 : made.text.index("*)")]
     return (f"/*{contract}{C_USE}*/\n#ifndef CONTROLLER_H\n#define CONTROLLER_H\n"
             f"{C_HEAD}\n{c99_types(_blocks(made))}\n#endif\n")  # fmt: skip

@@ -43,6 +43,13 @@ BODY = dict.fromkeys(("length", "width", "low", "high", "holder_radius", "holder
 
 
 def _circle(radius):
+    """Return the section of a round tunnel.
+
+    Examples
+    --------
+    >>> round(_circle(0.5).perimeter, 6)
+    3.141593
+    """
     return closed_profile([Arc(0.0, 0.0, radius, 0.0, 2 * np.pi)])
 
 
@@ -393,7 +400,15 @@ def _circuit(machine, section, stance):
 
 
 def _check_tolerance(machine, plan):
-    """Raise ValueError if the tolerance is below what one count moves the cutter."""
+    """Raise ValueError if the tolerance is below what one count moves the cutter.
+
+    Examples
+    --------
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
+    >>> _check_tolerance(REFERENCE_MACHINE, {"tolerance": 1e-6})  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: [plan] tolerance: must be at least the 8.4e-05 m that a count moves ...
+    """
     moved = plan.get("count", USUAL["count"]) * (machine.r + machine.R)
     if 0 < plan["tolerance"] < moved:
         raise ValueError(

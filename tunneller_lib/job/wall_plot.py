@@ -73,6 +73,15 @@ def draw_laps(ax, cut, *, tolerance):
     lines : list of matplotlib.lines.Line2D
         Overbreak in mm over the arc length along the offset section in m: of the first lap, in
         whole ground, and of the last, which is cut beside another.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace as Made
+    >>> for laps in (1, 2):
+    ...     cut = Made(plan=Made(places=[0.0, 1.0], laps=laps), lap_deviations=np.zeros((laps, 2)))
+    ...     [line.get_label() for line in draw_laps(Figure().subplots(), cut, tolerance=1e-3)]
+    ['lap 1']
+    ['lap 1', 'lap 2, beside another']
     """
     plan = cut.plan
     places = plan.places

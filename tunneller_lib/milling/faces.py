@@ -44,6 +44,9 @@ class BladeRing:
     >>> ring = BladeRing(0.06, 0.03, 0.05, 0.0, 0.5, 0.0, 0.0, 6)
     >>> ring.mesh(3).shape
     (3, 3, 3)
+    >>> BladeRing(0.06, 0.03, 0.0, 0.0, 0.5, 0.0, 0.0, 6)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: chord: must be ...
     """
 
     hub: Length
@@ -165,6 +168,15 @@ class Patch:
         -------
         s, t : (n, n) float
             Parameters.
+
+        Examples
+        --------
+        >>> patch = Patch(lambda s, t: [s, t, s * t], (-1, 1), (-1, 1))
+        >>> patch.parameters(3, margin=0.25)[0][:, 0].tolist()
+        [-0.5, 0.0, 0.5]
+        >>> patch.parameters(3, margin=0.5)
+        Traceback (most recent call last):
+        ValueError: margin: must be below 0.5; got 0.5.
         """
         if margin >= 0.5:
             raise ValueError(f"margin: must be below 0.5; got {margin:g}.")

@@ -112,6 +112,15 @@ def find_positions(
     >>> found = find_positions(patch, mill, 0.001, [0.0, 0.002], tolerance=1e-5)
     >>> len(found), int(found.fits.sum())
     (8, 4)
+
+    A ridge that is thinner than the mesh's cells may pass between them unseen:
+
+    >>> high = lambda t: 0.001 * np.exp(-(((t + 0.003360996) / 1e-5) ** 2))
+    >>> ridge = Patch(lambda s, t: [s, t, 30 * s * t + high(t)], (-0.01, 0.01), (-0.01, 0.01))
+    >>> int(find_positions(ridge, mill, 0.001, [0.0, 0.002], tolerance=1e-5).fits.sum())
+    4
+    >>> int(find_positions(ridge, mill, 0.001, [0.0, 0.002], tolerance=1e-5, n=242).fits.sum())
+    0
     """
     s, t = np.broadcast_arrays(s, t)
     cones = hyperosculating_cones(patch.surface, s, t, half_angle=mill.half_angle, model="space")
@@ -186,6 +195,16 @@ def _between(patch, distance, tip, axis, s, t, n):
 
     A window is searched about the best place so far. It moves on where the next best is at its
     border, as along a rim of the mill, and gets smaller where it isn't.
+
+    Examples
+    --------
+    A place is found to 1/54 of a cell, so that a ball's distance, 0.5 m, is off by 0.1 mm:
+
+    >>> flat = Patch(lambda s, t: [s, t, 0 * s], (0, 1), (0, 1))
+    >>> tip, up, corner = np.array([[0.4, 0.4, 0.5]]), np.array([[0.0, 0.0, 1.0]]), np.zeros(1)
+    >>> ball = lambda height, radius: np.hypot(height - 0.25, radius) - 0.25
+    >>> _between(flat, ball, tip, up, corner, corner.copy(), 2).round(6)
+    array([0.500073])
     """
     cell = [(high - low) / (n - 1) for low, high in (patch.s, patch.t)]
     offsets = np.linspace(-1, 1, AROUND)

@@ -49,6 +49,11 @@ class Push(NamedTuple):
     front : (..., 2) float
         Force against the motion per rate of each joint, in N s. A joint that turns the cutter
         away from the ground reduces the force.
+
+    Examples
+    --------
+    >>> Push(torque=(20.0, 10.0)).rows.tolist()
+    [[20.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
     """
 
     torque: tuple | np.ndarray = (0.0, 0.0)
@@ -95,6 +100,15 @@ def parts_in(machine, least, rows, tick):
 
     The `TwoAxes` are pushed by `rows` of a `Push`. In hard ground the damper makes the equations
     stiff: their fastest rate is then the damper times lever^2 over the inertia.
+
+    Examples
+    --------
+    >>> from tunneller_lib.motion.sizing import axes_of, usual_sizes
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE as reference
+    >>> machine = machine_of(axes_of(reference, usual_sizes(reference)), None)
+    >>> parts_in(machine, 4, Push(damper=1e12, lever=(1.0, 1.0)).rows, 0.01)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: ground: must be so soft that a tick takes at most 1000000 steps; got 1e+12 N ...
     """
     inertia = machine.theta.inertia, machine.phi.inertia
     lever = rows[:, 3:5]

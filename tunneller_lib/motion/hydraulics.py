@@ -162,6 +162,15 @@ class Hydraulics:
         ------
         ValueError
             If an `angle` is outside the stroke, or a `spool` beyond its ends.
+
+        Examples
+        --------
+        >>> from tunneller_lib.motion.sizing import axes_of, usual_sizes
+        >>> from tunneller_lib.surfaces import REFERENCE_MACHINE as reference
+        >>> theta, _ = axes_of(reference, usual_sizes(reference))
+        >>> theta.rate(0.0, -1.5)
+        Traceback (most recent call last):
+        ValueError: spool: must be from -1 to 1; got 1.5 in size.
         """
         check_stroke(angle, self.low, self.high)
         if np.any(np.abs(spool) > 1):

@@ -144,6 +144,9 @@ def polyline(knots: Knots, ticks: SegmentTicks, *, tie: Tie = "up", parts: Parts
     --------
     >>> polyline([[0, 0], [3, -2], [3, 5]], [2, 3]).T.tolist()
     [[0, 2, 3, 3, 3, 3], [0, -1, -2, 0, 3, 5]]
+    >>> polyline([[0, 0], [3, -2], [3, 5]], [2, 3, 4])  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: knots: must be an array (k + 1, n) for ... segments; got (3, 2) for (3,).
     """
     _check_segments(knots, ticks)
     scale = _scale(ticks, parts)

@@ -34,6 +34,12 @@ class Loop:
     ------
     ValueError
         If a number is beyond its range.
+
+    Examples
+    --------
+    >>> Loop(10, tick=0.01, delay=101)
+    Traceback (most recent call last):
+    ValueError: delay: must be one whole number from 0 to 100; got 101.
     """
 
     gain: Quantity

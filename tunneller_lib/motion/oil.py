@@ -317,7 +317,16 @@ def steps_of(axis):
 
 
 def parts_of(tick, steps):
-    """Return the number of `steps` of a `tick` in s, rounded up; too many raise ValueError."""
+    """Return the number of `steps` of a `tick` in s, rounded up; too many raise ValueError.
+
+    Examples
+    --------
+    >>> parts_of(0.01, 12.5), parts_of(0.01, 1000)
+    (13, 1000)
+    >>> parts_of(0.01, 2000)
+    Traceback (most recent call last):
+    ValueError: tick: must be at most 0.005 s, which is 1000 steps of the integration; got 0.01 s.
+    """
     if steps > MOST_STEPS:
         raise ValueError(
             f"tick: must be at most {tick / steps * MOST_STEPS:.3g} s, which is {MOST_STEPS} steps "

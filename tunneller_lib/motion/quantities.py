@@ -15,6 +15,15 @@ def Pair(kind):
     """Return the annotation of a pair of instances of a class, for theta and phi.
 
     A single instance stands for both.
+
+    Examples
+    --------
+    >>> pair = rule_of(Pair(float))
+    >>> pair.check("lag", 0.1)
+    (0.1, 0.1)
+    >>> pair.check("lag", [0.1, 0.2, 0.3])
+    Traceback (most recent call last):
+    ValueError: lag: must be two, theta's and phi's; got 3.
     """
     one_or_each = rule_of(Each(kind, or_one=True))
 

@@ -95,6 +95,16 @@ class Track:
         ------
         ValueError
             If `last` isn't after `first` and within the run.
+
+        Examples
+        --------
+        >>> from tunneller_lib.motion import Integrator
+        >>> run = follow(Integrator(0.5), Loop(1, tick=0.5), np.zeros(9))
+        >>> run.between(2, 5).time.tolist()
+        [0.0, 0.5, 1.0, 1.5]
+        >>> run.between(2, -1)
+        Traceback (most recent call last):
+        ValueError: last: must be one whole number from 0 to 2147483648; got -1.
         """
         if not first < last < len(self.setvalue):
             raise ValueError(

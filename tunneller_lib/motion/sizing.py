@@ -91,8 +91,9 @@ def usual_sizes(machine: Machine):
     --------
     >>> from dataclasses import replace
     >>> from tunneller_lib.surfaces import REFERENCE_MACHINE
-    >>> usual_sizes(replace(REFERENCE_MACHINE, r=0.16, R=1.6)).head
-    240.0
+    >>> twice = usual_sizes(replace(REFERENCE_MACHINE, r=0.16, R=1.6))
+    >>> twice.head, twice.piston_leak
+    (240.0, 2e-13)
     """
     s = machine.R / USUAL_R
     lift, swing = usual_linkages(machine.R)

@@ -236,6 +236,15 @@ def eigenvalue_limit(plant: LinearPlant, loop: Loop):
     ------
     ValueError
         If the loop isn't stable at its own gain.
+
+    Examples
+    --------
+    >>> from tunneller_lib.motion import Integrator
+    >>> round(eigenvalue_limit(Integrator(0.5), Loop(1, tick=1)), 12)
+    2.0
+    >>> eigenvalue_limit(Integrator(0.5), Loop(2, tick=1))  # on the limit it swings for ever
+    Traceback (most recent call last):
+    ValueError: gain: the search must start from a stable loop; got 2 1/s.
     """
     return _first_unstable(lambda g: _radius(plant, loop, g) - 1, loop.gain, 1.25)
 

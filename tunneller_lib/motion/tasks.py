@@ -217,6 +217,19 @@ def hand_over(tasks: Tasks, costs: Times, ticks: Times, *, depth: Time = 1):
     -----
     Tunnelling robot, section 4.4 and Fig. 7. A double buffer never starves if the
     `background_response` to the highest cost is at most the time of the shortest segment.
+
+    Examples
+    --------
+    >>> line = [Task("line", 1000, 100)]
+    >>> hand_over(line, [500, 500], [2, 2]).started
+    (1000, 3000)
+    >>> hand_over(line, [500, 500], [2])
+    Traceback (most recent call last):
+    ValueError: ticks: needs one entry for each cost; got 1, 2.
+    >>> import numpy as np
+    >>> hand_over(line, np.zeros(0, int), np.zeros(0, int))
+    Traceback (most recent call last):
+    ValueError: costs: must be a list, not empty; got none.
     """
     if not len(costs):
         raise ValueError("costs: must be a list, not empty; got none.")

@@ -154,6 +154,18 @@ def run_each(plants, loops, setvalues, slopes, own_inverse):
 
     Each has a column of `setvalues` (ticks + 1, n) in rad and of `slopes` (ticks, n) in rad/s;
     `own_inverse` is the caller's, as in `follow`, or None.
+
+    Examples
+    --------
+    >>> from tunneller_lib.motion import Loop, Rigid
+    >>> from tunneller_lib.motion.sizing import axes_of, usual_sizes
+    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE as reference
+    >>> theta, _ = axes_of(reference, usual_sizes(reference))
+    >>> sinking = np.linspace(0.0, -1.2, 301)[:, None]  # beyond the stroke
+    >>> rates = np.zeros((300, 1))
+    >>> run_each([Rigid(theta)], [Loop(10, 0.01)], sinking, rates, None)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: setvalues: an axis must stay within its stroke, -62.0 to 37.0 deg; got -62...
     """
     all_states = []
     all_commands = []
@@ -238,7 +250,15 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
 
 
 def plain_seconds(numbers, ticks):
-    """Return the time that plain Python takes for `ticks` of an axis of these `numbers`, in s."""
+    """Return the time that plain Python takes for `ticks` of an axis of these `numbers`, in s.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> oil = SimpleNamespace(parts=2)  # steps of the integration in a tick
+    >>> round(plain_seconds(None, 1000), 6), round(plain_seconds(oil, 1000), 6)
+    (0.002, 0.062)
+    """
     return ticks * (PLAIN_TICK + PLAIN_PART * getattr(numbers, "parts", 0))
 
 
