@@ -196,11 +196,12 @@ def reach():
     """
     known = {f"{function.__module__.replace('.', '/')}.py" for function in (steps, code)}
     found = {}
-    for path in sorted((COPY / "tests").glob("test_*.py")):
+    shelves = COPY / "tests", COPY / "report" / "tests"
+    for path in sorted(path for shelf in shelves for path in shelf.glob("test_*.py")):
         text = path.read_text(encoding="utf-8")
         if any(pattern.startswith("tunneller_lib") for pattern in reads(text)):
             continue
-        away = steps(text, COPY, ("tests",))
+        away = steps(text, COPY, package_of(path, COPY))
         for file in library_in(text):
             if file.is_file() and not file.name.startswith("test_"):
                 inside = package_of(file, COPY)
@@ -208,8 +209,9 @@ def reach():
                 for there, more in {file: 0, **further}.items():
                     away[there] = min(away.get(there, 99), more + 2)
         away = by_name(away)
-        if not any(file.startswith("report/") and file not in known for file in away):
-            found[f"tests/{path.name}"] = away
+        programs = {file for file in away if re.match(r"report/.*\.py", file)}
+        if programs <= known:
+            found[str(path.relative_to(COPY))] = away
     return found
 
 
