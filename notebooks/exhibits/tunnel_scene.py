@@ -76,16 +76,13 @@ def posed_machine(cut, tick):
     it should is shifted as a whole to its cutter's centre.
     """
     centre = cut.centres[tick]
-    plan = cut.plan
-    circuit = plan.circuit
+    circuit = cut.plan.circuit
     # The machine steps back by an advance each lap; the circuit is that of the first.
-    unstepped = centre + np.array([float(plan.stepped(tick)), 0.0, -circuit.machine.height])
-    torus = circuit.machine.torus
-    theta, phi = map(float, torus.angles(unstepped @ circuit.axes))
-    away = centre - circuit.axes @ torus.point(theta, phi)
+    unstepped = centre + np.array([float(cut.plan.stepped(tick)), 0.0, -circuit.machine.height])
+    theta, phi = map(float, circuit.machine.torus.angles(unstepped @ circuit.axes))
+    away = centre - circuit.axes @ circuit.machine.torus.point(theta, phi)
     place = pyvista.Transform().rotate(circuit.axes).translate(away)
-    parts = machine_model(circuit.machine, theta, phi)
-    return [(place.apply(mesh), look) for mesh, look in parts]
+    return [(place.apply(mesh), look) for mesh, look in machine_model(circuit.machine, theta, phi)]
 
 
 def cut_scene(cut, tick=None, *, wall, bar=True):

@@ -191,8 +191,7 @@ def _pixels(plotter):
     whole = camera.copy()
     share = len(rows) / height
     camera.parallel_scale *= share
-    half = np.arctan(share * np.tan(np.radians(camera.view_angle / 2)))
-    camera.view_angle = 2 * np.degrees(half)
+    camera.view_angle = np.degrees(2 * np.arctan(share * np.tan(np.radians(camera.view_angle) / 2)))
     right = (columns[0] + columns[-1] + 1 - width) / len(columns)
     camera.SetWindowCenter(right, (height - rows[0] - rows[-1] - 1) / len(rows))
     window.SetSize(len(columns), len(rows))
@@ -210,8 +209,7 @@ def _lettered(plotter, pixels, letters, size):
     drawing = Figure(figsize=(width / inch, height / inch), dpi=inch)
     drawing.figimage(pixels)
     halo = [withStroke(linewidth=size / 4, foreground="white")]
-    style = {"fontsize": size, "color": COLOURS["chord"], "path_effects": halo}
-    style |= {"ha": "center", "va": "center"}
+    style = dict(size=size, color=COLOURS["chord"], path_effects=halo, ha="center", va="center")
     line = {"arrowstyle": "-", "lw": size / 16, "shrinkA": 0, "shrinkB": 0, "path_effects": halo}
     canvas = FigureCanvasAgg(drawing)
     with rc_context(STYLE):
