@@ -36,8 +36,7 @@ def machine_model(machine, theta, phi):
     parts : list of (mesh, dict)
         Each mesh with the arguments for ``Plotter.add_mesh``; lengths in m.
     """
-    r = machine.r
-    R = machine.R
+    r, R = machine.r, machine.R
     ball = machine.cutter_radius
     t = 0.13 * R  # thickness of the limbs
     frame, crank, arm, tip = _joints(machine, theta, phi)
@@ -70,8 +69,7 @@ def _base(machine, t):
     """Return what doesn't move, with limbs t thick: the forks, and beams, or the body's box."""
     sides = -1.5 * t, t
     forks = [_box((-0.6 * t, 0.6 * t), (y, y + 0.5 * t), (-2.9 * t, 0.6 * t)) for y in sides]
-    if machine.body is not None:
-        body = machine.body
+    if (body := machine.body) is not None:
         box = _box((-body.length, 0), (-body.width / 2, body.width / 2), (body.low, body.high))
         return [(pyvista.merge(forks), BODY), (box, CASE)]
     back = -1.5 * machine.R

@@ -181,6 +181,8 @@ def _pixels(plotter):
 
     They would take as long as the others. A rough picture shows where they are.
     """
+    if plotter.scalar_bars:  # they lie where the window's size puts them
+        return plotter.screenshot(return_img=True)
     width, height = plotter.window_size
     window, camera = plotter.render_window, plotter.camera
     window.SetSize(width // ROUGH, height // ROUGH)
