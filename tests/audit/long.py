@@ -72,6 +72,11 @@ def git(*words, folder=ROOT):
     return done.stdout.strip()
 
 
+def judged():
+    """Return the line of a table's head that says when it was made, and of which commit."""
+    return f"judged {time.strftime('%F')} at {git('describe', '--always', '--dirty')}"
+
+
 def main(*names):
     wanted = forms()
     if unknown := set(names) - wanted.keys():

@@ -54,6 +54,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # run as a script
 from report.reach import package_of, steps
 from report.sources import code
 from report.tests.check import reads
+from tests.audit.long import judged
 from tests.audit.mutant_kinds import FORMULAS, KINDS, LOGIC, Places, draws, rules_in
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -498,8 +499,8 @@ def room(file):
     return file.split("/")[1].removesuffix(".py")
 
 
-def head(rows, seed, met):
-    """Return what stands above the table: the seed, what survivors `met`, and the scores.
+def head(rows, seed, met, when):
+    """Return what stands above the table: the seed, what survivors `met`, scores, and `when`.
 
     Of all faults, of those in each room and of those of each kind.
     """
@@ -513,15 +514,15 @@ def head(rows, seed, met):
         lines.append(f"room {name}: {score([row for row in rows if room(row['file']) == name])}")
     for kind in sorted({row["kind"] for row in rows}):
         lines.append(f"kind {kind}: {score([row for row in rows if row['kind'] == kind])}")
-    return "".join(f"# {line}\n" for line in lines)
+    return "".join(f"# {line}\n" for line in [*lines, when])
 
 
-def table(rows, seed, met):
+def table(rows, seed, met, when):
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    return head(rows, seed, met) + text.getvalue()
+    return head(rows, seed, met, when) + text.getvalue()
 
 
 def read_table(text):
@@ -676,8 +677,8 @@ def main():
 def plant(given):
     """Draw faults, have them judged, and say what came out."""
     copy()
-    above, judged = read_table(TABLE.read_text(encoding="utf-8") if TABLE.exists() else "")
-    old = {row["file"] for row in judged}
+    above, before = read_table(TABLE.read_text(encoding="utf-8") if TABLE.exists() else "")
+    old = {row["file"] for row in before}
     files = [file for file in modules() if given.of in file and not (given.new and file in old)]
     drawn = [draw(file, given.seed, given.each) for file in files]
     # Each module's first, then the second ones.
@@ -685,7 +686,8 @@ def plant(given):
     part, parts = given.part
     mutants = [m for m in every if given.kind in (None, m.kind)][part - 1 :: parts]
     if given.list:
-        print(table([mutant.row("") for mutant in mutants], given.seed, "nothing yet"), end="")
+        rows = [mutant.row("") for mutant in mutants]
+        print(table(rows, given.seed, "nothing yet", "not judged"), end="")
         return
     known = Known("judged.json" if parts == 1 else f"judged-{part}-of-{parts}.json")
     reasons = tomllib.loads(REASONS.read_text(encoding="utf-8")) if REASONS.exists() else {}
@@ -695,14 +697,14 @@ def plant(given):
     verdicts = {mutant: known.get(mutant.key()) for mutant in mutants}
     rows = [mutant.row(verdict.by) for mutant, verdict in verdicts.items()]
     met = MET[last_lot(given)]
-    say(head(rows, given.seed, met))
+    say(head(rows, given.seed, met, judged()))
     for mutant, verdict in verdicts.items():
         if not verdict.by:
             row = mutant.row("")
             why = "" if (row["file"], row["after"]) in explained else ", unexplained"
             why += f", {len(verdict.left)} files of tests couldn't run" if verdict.left else ""
             say(f"survived{why}: {row['file']}:{row['line']} {row['before']}  ->  {row['after']}")
-    if others := [row for row in judged if row["file"] in set(modules()) - set(files)]:
+    if others := [row for row in before if row["file"] in set(modules()) - set(files)]:
         if above[0] != f"seed {given.seed}":
             sys.exit("No table: its other faults are of another seed.")
         rows += others
@@ -714,7 +716,7 @@ def plant(given):
         if left:
             sys.exit("No table: some survivors wait for tests that need other packages.")
         rows = sorted(rows, key=lambda row: (row["file"], int(row["line"])))
-        replace(TABLE, table(rows, given.seed, met))
+        replace(TABLE, table(rows, given.seed, met, judged()))
 
 
 if __name__ == "__main__":

@@ -9,12 +9,12 @@ import csv
 import sys
 from collections import Counter, defaultdict
 from concurrent.futures import ProcessPoolExecutor
-from datetime import date
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 
+from tests.audit.long import judged
 from tests.envelopes_random import KINDS, member, near_miss, placed, window
 from tunneller_lib.envelopes import recognise
 from tunneller_lib.envelopes.adapted import FLAT, adapted_frames
@@ -63,7 +63,7 @@ def main():
         for way, near in sorted({(way, near) for way, near, _ in part}):
             rows.append([kind, way, near, *(part[way, near, verdict] for verdict in HEAD[3:])])
     with TABLE.open("w", newline="", encoding="utf-8") as file:
-        file.write(f"# {sum(sum(row[3:]) for row in rows[1:])} surfaces, {date.today()}\n")
+        file.write(f"# {sum(sum(row[3:]) for row in rows[1:])} surfaces, {judged()}\n")
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 

@@ -26,7 +26,8 @@ def test_head_has_the_seed_and_the_scores():
     assert HEAD[0] == f"seed {mutants.SEED}"
     met = HEAD[1].removeprefix("survivors met ")
     assert met in mutants.MET
-    assert mutants.head(ROWS, mutants.SEED, met).splitlines() == [f"# {line}" for line in HEAD]
+    again = mutants.head(ROWS, mutants.SEED, met, HEAD[-1])
+    assert again.splitlines() == [f"# {line}" for line in HEAD] and HEAD[-1].startswith("judged 20")
 
 
 def test_of_planted_faults_at_most_a_twentieth_survives():

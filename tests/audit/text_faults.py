@@ -28,6 +28,7 @@ from pathlib import Path
 
 from report.tests.prose import NUMBER, sources
 from report.tests.typst_math import tokens
+from tests.audit.long import judged
 from tests.audit.typeset_faults import faults as equation_faults
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -210,8 +211,8 @@ def run(tests, place):
     return subprocess.run(command, cwd=place, env=environment, text=True, capture_output=True)
 
 
-def head(rows, seed):
-    """Return what stands above the table: the seed, and the score of all and of each kind."""
+def head(rows, seed, when):
+    """Return what stands above the table: the seed, the score of all and of each kind, `when`."""
 
     def score(rows):
         noticed = sum(bool(row["noticed by"]) for row in rows)
@@ -220,7 +221,7 @@ def head(rows, seed):
     lines = [f"seed {seed}", f"all: {score(rows)}"]
     for kind in dict.fromkeys(row["kind"] for row in rows):
         lines.append(f"{kind}: {score([row for row in rows if row['kind'] == kind])}")
-    return "".join(f"# {line}\n" for line in lines)
+    return "".join(f"# {line}\n" for line in [*lines, when])
 
 
 def main():
@@ -251,10 +252,11 @@ def main():
     with ThreadPoolExecutor(workers) as pool:
         shares = list(pool.map(every, range(workers)))
     rows = sorted((row for share in shares for row in share), key=lambda row: list(row.values()))
-    print(head(rows, options.seed))
+    above = head(rows, options.seed, judged())
+    print(above)
     if not options.kind and options.seed == SEED:
         with TABLE.open("w", encoding="utf-8", newline="") as file:
-            file.write(head(rows, options.seed))
+            file.write(above)
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
