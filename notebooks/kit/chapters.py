@@ -84,7 +84,15 @@ def _cells(path):
 
 
 def _minutes(cells):
-    """Return the minutes that cells take to read, up to the next five."""
+    """Return the minutes that cells take to read, up to the next five.
+
+    Examples
+    --------
+    >>> _minutes([("markdown", "word " * 800), ("code", "line\\n" * 89)])
+    10
+    >>> _minutes([("markdown", "word " * 801), ("code", "line\\n" * 89)])
+    15
+    """
     words = sum(len(text.split()) for kind, text in cells if kind == "markdown")
     lines = sum(text.count("\n") + 1 for kind, text in cells if kind == "code")
     return 5 * math.ceil((words / WORDS + lines / LINES) / 5)
