@@ -101,6 +101,16 @@ def draw_passes(ax, radius, depth, pitch):
     ax : matplotlib.axes.Axes
     radius, depth, pitch : float
         Of the ball; how far it cuts behind the wall; from pass to pass, all in m.
+
+    Examples
+    --------
+    What is coloured as cut by this pass begins halfway to the earlier one, at its cusp:
+
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().subplots()
+    >>> draw_passes(ax, radius=0.2, depth=0.02, pitch=0.06)
+    >>> float(ax.collections[-1].get_paths()[0].vertices[:, 0].min().round(2))
+    -0.03
     """
     x = np.linspace(-pitch - 1.25 * radius, 1.25 * radius, 801)
     wall = depth - radius  # the centres are on this line

@@ -48,6 +48,11 @@ def listing(t1, t2, y1, y2, T, *, division="floor"):
     [5.0, 7.0, 10.0, 12.0, 15.0, 17.0, 20.0, 22.0, 25.0, 27.0, 30.0]
     >>> listing(0, 10, 5, 30, 0.5)[1][-1]
     np.float64(55.0)
+
+    That 10.6 - 10.5 is a little less than 0.1 takes no sample away:
+
+    >>> listing(10.5, 10.6, 0, 1, 0.1)[0].round(3).tolist()
+    [10.5, 10.6]
     """
     samples = (t2 - t1) / T * (1 + 1e-12)  # a last one that rounding would put off is meant
     t = t1 + T * np.arange(int(samples) + 1)

@@ -112,6 +112,16 @@ def real_roots(coefficients, *, threshold=2.0**-26):
     -------
     roots : (..., n) float
         Real parts of eigenvalues of the companion matrix.
+
+    Examples
+    --------
+    Beside a root of 2^26 one of 1.5i isn't real, and one of 0.7i is real but for rounding:
+
+    >>> large = 2.0**26
+    >>> for square in (2.25, 0.49):
+    ...     int(np.isfinite(real_roots([1.0, -large, square, -square * large])).sum())
+    1
+    3
     """
     coefficients = np.asarray(coefficients, dtype=float)
     n = coefficients.shape[-1] - 1

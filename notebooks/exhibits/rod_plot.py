@@ -94,6 +94,20 @@ def draw_cut_row(ax, grid, capsule):
         With lines along z.
     capsule : Rod
         With round ends, its axis in a plane y = const; the row next to it is drawn.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from tunneller_lib.removal import DexelGrid
+    >>> from tunneller_lib.surfaces import Rod
+    >>> ax = Figure().subplots()
+    >>> grid = DexelGrid.cartesian([0, 0, 0], [1, 1, 1], (8, 3))
+    >>> draw_cut_row(ax, grid, Rod([0.3, 0.5, 0.5], [0.7, 0.5, 0.5], 0.1, ends="round"))
+    >>> len(ax.collections[0].get_segments())  # a bar for each line of the row
+    8
+    >>> outline = ax.patches[0].get_xy()
+    >>> outline.min(axis=0).round(3).tolist(), outline.max(axis=0).round(3).tolist()
+    ([0.2, 0.4], [0.8, 0.6])
     """
     row = np.argmin(np.abs(grid.lines.aside - capsule.a[1]))
     low, high = grid.low[..., row], grid.high[..., row]

@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import ipywidgets
 import pytest
 from IPython.display import Image
+from matplotlib.layout_engine import PlaceHolderLayoutEngine
 
 from kit import figure, scene, sliders
 from kit.camera import live
@@ -47,9 +48,9 @@ def test_sliders_without_a_screen_draw_once(monkeypatch, shown):
 
 def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     monkeypatch.delenv("PYVISTA_JUPYTER_BACKEND", raising=False)
-    calls = []
+    made = []
     picture = sliders(
-        lambda **v: calls.append(v) or draw(**v),
+        lambda **v: made.append(draw(**v)) or made[-1],
         loop_gain=(1.0, 20.0, 10.0, "1/s"),
         delay=(0, 4, 1),
     )
@@ -59,7 +60,9 @@ def test_sliders_with_a_screen_draw_again(monkeypatch, shown):
     assert (gain.min, gain.max, gain.value, delay.max) == (1.0, 20.0, 10.0, 4)
     assert (gain.description, delay.description) == ("loop gain / 1/s", "delay")
     delay.value = 3
-    assert calls[-1] == {"loop_gain": 10.0, "delay": 3}
+    assert made[-1].values == {"loop_gain": 10.0, "delay": 3}
+    # A drawing that is moved keeps the places of the first one's axes.
+    assert isinstance(made[-1].get_layout_engine(), PlaceHolderLayoutEngine)
     assert shown[-1].alt.endswith("Drawn for loop gain 10, delay 3.")
     assert [type(thing) for thing in shown] == [Image, ipywidgets.VBox, Image]
 
