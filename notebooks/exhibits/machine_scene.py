@@ -36,29 +36,28 @@ def machine_model(machine, theta, phi):
     parts : list of (mesh, dict)
         Each mesh with the arguments for ``Plotter.add_mesh``; lengths in m.
     """
-    r, R = machine.r, machine.R
+    r = machine.r
+    R = machine.R
     ball = machine.cutter_radius
     t = 0.13 * R  # thickness of the limbs
-    frame, crank, arm, tip = _joints(machine, theta, phi)
+    crank, arm, tip = _joints(machine, theta, phi)
+    head = pyvista.Sphere(radius=0.9 * ball, theta_resolution=48, phi_resolution=48)
     parts = [
         *_base(machine, t),
-        (frame.apply(_rod((0, -1.8 * t, 0), (0, 1.8 * t, 0), 0.35 * t)), DARK),
+        (_rod((0, -1.8 * t, 0), (0, 1.8 * t, 0), 0.35 * t), DARK),
         (crank.apply(_box((-0.45 * t, 0.45 * t), (-0.8 * t, 0.8 * t), (-2.5 * t, 0.6 * t))), STEEL),
         (crank.apply(_box((0, r), (-0.8 * t, 0.8 * t), (-0.6 * t, 0.6 * t))), STEEL),
         (crank.apply(_rod((r, 0, -t), (r, 0, t), 0.35 * t)), DARK),
         (arm.apply(_rod((0, 0, 0), (R - 0.6 * ball, 0, 0), 0.45 * t)), BODY),
         (arm.apply(_box((0.4 * R, 0.48 * R), (-1.1 * t, 1.1 * t), (-0.3 * t, 0.3 * t))), BODY),
-        (
-            tip.apply(pyvista.Sphere(radius=0.9 * ball, theta_resolution=48, phi_resolution=48)),
-            DARK,
-        ),
+        (tip.apply(head), DARK),
         (tip.apply(_picks(ball)), STEEL),
     ]
     if machine.body is not None and machine.body.has_holder:
         holder = machine.body.holder
         parts.append((tip.apply(_rod(holder.a, holder.b, holder.radius)), STEEL))
     # The base cylinder turns the bell crank by its lower leg; the tandem pair swings the arm.
-    parts += _cylinder(frame.apply((-0.85 * R, 0, -1.9 * t)), crank.apply((0, 0, -2.2 * t)), t)
+    parts += _cylinder((-0.85 * R, 0, -1.9 * t), crank.apply((0, 0, -2.2 * t)), t)
     for side in (-t, t):
         foot = crank.apply((-0.2 * t, 0.95 * side, 0))
         parts += _cylinder(foot, arm.apply((0.44 * R, 0.95 * side, 0)), 0.7 * t)
@@ -97,29 +96,29 @@ def machine_letters(machine, theta, phi):
         For `shoot`.
     """
     R = machine.R
-    frame, crank, arm, tip = _joints(machine, theta, phi)
+    crank, arm, tip = _joints(machine, theta, phi)
     out = 0.55 * R  # of the arcs, from their axes
     half = 0.32 * R  # of an axis
     high = 0.6 * half  # of the arc of phi, above the arm
     share = np.linspace(0, 1, 30)
-    lifted = [_joints(machine, theta * one, phi)[1].apply((out, 0, 0)) for one in share]
-    swung = [_joints(machine, theta, phi * one)[2].apply((out, 0, high)) for one in share]
+    lifted = [_joints(machine, theta * one, phi)[0].apply((out, 0, 0)) for one in share]
+    swung = [_joints(machine, theta, phi * one)[1].apply((out, 0, high)) for one in share]
     lines = [
-        [frame.apply((0, -half, 0)), frame.apply((0, half, 0))],
+        [(0, -half, 0), (0, half, 0)],
         [arm.apply((0, 0, -half)), arm.apply((0, 0, half))],
-        [frame.apply((0, 0, 0)), lifted[0]],
+        [(0, 0, 0), lifted[0]],
         lifted,
         [swung[0], arm.apply((0, 0, high)), swung[-1]],
         swung,
     ]
     letters = {
-        r"axis of $\theta$": (frame.apply((0, -half, 0)), (-0.5, -4.3)),
+        r"axis of $\theta$": ((0, -half, 0), (-0.5, -4.3)),
         r"axis of $\varphi$": (arm.apply((0, 0, half)), (0, 0.8)),
         r"$\theta$": (lifted[10], (0.8, 0.0)),
         r"$\varphi$": (swung[15], (0.7, 0.3)),
-        r"cylinder of $\theta$": (frame.apply((-0.5 * R, 0, -0.26 * R)), (-2, -4)),
+        r"cylinder of $\theta$": ((-0.5 * R, 0, -0.26 * R), (-2, -4)),
         r"tandem cylinders of $\varphi$": (arm.apply((0.2 * R, -0.1 * R, 0)), (6, -5.5)),
-        "frame": (frame.apply((-1.2 * R, 0, 0)), (0, 0)),
+        "frame": ((-1.2 * R, 0, 0), (0, 0)),
         "bell crank": (crank.apply((0, 0, -0.3 * R)), (2, -3)),
         "arm": (arm.apply((0.7 * R, 0, 0)), (1.5, -3)),
         "cutter": (tip.apply((0, 0, -machine.cutter_radius)), (1, -1)),
@@ -156,11 +155,11 @@ def machine_in_tunnel(machine, section, theta, phi):
 
 
 def _joints(machine, theta, phi):
-    """Return the frames of the base, bell crank, arm and cutter, as transforms to the base's."""
+    """Return the frames of the bell crank, arm and cutter, as transforms to the base's."""
     crank = pyvista.Transform().rotate_y(np.degrees(theta))
     arm = pyvista.Transform().rotate_z(np.degrees(phi)).translate((machine.r, 0, 0)).compose(crank)
     tip = pyvista.Transform().translate((machine.R, 0, 0)).compose(arm)
-    return pyvista.Transform(), crank, arm, tip
+    return crank, arm, tip
 
 
 def _box(x, y, z):
