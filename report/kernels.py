@@ -1,10 +1,10 @@
 """Kernels that share what they import: forked from one process that has imported it already.
 
-Matplotlib, scipy, pyvista and IPython take two seconds of processor to import, and each of some
-thirty notebooks has a kernel of its own. Within `shared_imports` Jupyter's kernel "python3" is a
-process of a few lines that asks a nursery, over a socket, for a child: same folder, environment and
-streams, no library of ours imported. The child is ended when the asking process is, and the nursery
-when whoever began it is gone.
+Matplotlib, scipy, pyvista, numba and IPython take two seconds of processor to import, and each of
+some thirty notebooks has a kernel of its own. Within `shared_imports` Jupyter's kernel "python3" is
+a process of a few lines that asks a nursery, over a socket, for a child: same folder, environment
+and streams, no library of ours imported. The child is ended when the asking process is, and the
+nursery when whoever began it is gone.
 """
 
 import importlib
@@ -23,8 +23,9 @@ from unittest.mock import patch
 
 PACKAGES = (
     "ipykernel.debugger", "ipykernel.kernelapp", "IPython.display", "ipywidgets",
-    "matplotlib.pyplot", "numpy", "PIL.Image", "pyvista", "scipy.integrate",
-    "scipy.linalg", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "sympy",
+    "matplotlib.backends.backend_svg", "matplotlib.pyplot", "numba", "numpy", "PIL.Image",
+    "pyvista", "scipy.integrate", "scipy.linalg", "scipy.ndimage", "scipy.optimize",
+    "scipy.spatial", "sympy", "trame_pyvista", "wslink.backends.aiohttp",
 )  # fmt: skip
 
 NURSERY = "TUNNELLER_NURSERY"  # where a nursery listens, for what is started within

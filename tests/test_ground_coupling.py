@@ -61,7 +61,7 @@ def test_force_that_is_renewed_more_often_is_the_same_within_two_percent(
     ground = replace(ground, normal=normal, ripple=0.3, ripple_frequency=12.0)
     made = planned(ground)
     found = []
-    for every in (8, 1):
+    for every in (face.EVERY, 1):
         monkeypatch.setattr(face, "EVERY", every)
         first, track, front = begun(made, ground, way, last=120)
         force = front.force(track)[first:]

@@ -169,7 +169,8 @@ def refill(plotter, other):
 
 def _drawn(pixels, margin):
     """Return the slices, for rows and columns, of what isn't white, and a margin; or of all."""
-    drawn = np.any(pixels != 255, axis=-1)
+    red, green, blue = np.moveaxis(pixels, -1, 0)
+    drawn = red & green & blue != 255
     if not drawn.any():
         return slice(None), slice(None)
     ends = [np.flatnonzero(drawn.any(axis=axis))[[0, -1]] for axis in (1, 0)]
@@ -209,7 +210,7 @@ def _lettered(plotter, pixels, letters, size):
     height, width = pixels.shape[:2]
     inch = 72.0  # px, so that a point is a pixel
     drawing = Figure(figsize=(width / inch, height / inch), dpi=inch)
-    drawing.figimage(pixels)
+    drawing.patch.set_visible(False)
     halo = [withStroke(linewidth=size / 4, foreground="white")]
     style = dict(size=size, color=COLOURS["chord"], path_effects=halo, ha="center", va="center")
     line = {"arrowstyle": "-", "lw": size / 16, "shrinkA": 0, "shrinkB": 0, "path_effects": halo}
@@ -221,7 +222,11 @@ def _lettered(plotter, pixels, letters, size):
             place = {"xy": named, "xycoords": "figure pixels", "xytext": beside}
             leads = line if np.hypot(*away) > BESIDE else None
             drawing.add_artist(Annotation(text, arrowprops=leads, **place, **style))
-        canvas.draw()
+        # The picture is put below them as it is: matplotlib would resample it first.
+        seen = np.asarray(canvas.get_renderer().buffer_rgba())
+        seen[..., :3] = pixels
+        seen[..., 3] = 255
+        drawing.draw(canvas.get_renderer())
     return np.array(canvas.buffer_rgba())[..., :3]
 
 

@@ -16,6 +16,7 @@ import matplotlib
 import numpy as np
 import PIL.Image
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from tunneller_lib.arguments import shown
@@ -206,6 +207,7 @@ class Record:
         if isinstance(picture, matplotlib.figure.Figure):
             suffix = ".svg"
             content = drawing_svg(picture)
+            picture.set_layout_engine("none")  # it is laid out; the preview needs no other layout
         else:
             suffix = ".png"
             content = _png(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
@@ -282,7 +284,8 @@ def drawing_svg(figure):
     # Text as such, for search, and nothing that names the day or the run: the same bytes each time.
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "tunneller"}):
         # The resolution is that of clouds of points, which a drawing may ask to be rasterized.
-        figure.savefig(content, format="svg", dpi=300, metadata={"Date": None, "Creator": None})
+        figure.set_dpi(300)
+        FigureCanvasSVG(figure).print_svg(content, metadata={"Date": None, "Creator": None})
     names = {}
 
     def named(digest):

@@ -16,7 +16,7 @@ from .moves import levers
 from .outward import gradient
 from .wall import intact_wall
 
-EVERY = 8  # ticks that are tried together, a power of two; fewer where they don't converge
+EVERY = 12  # ticks that are tried together; fewer where they don't converge
 BESIDE = 0.05  # m of ground beyond the planned positions, at each end
 STILL = 1e-6  # m, a way too short for its removal to be measured
 CLOSE = 1e-2  # share by which the volume of the force may differ from the removed one
