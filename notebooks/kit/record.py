@@ -207,7 +207,6 @@ class Record:
         if isinstance(picture, matplotlib.figure.Figure):
             suffix = ".svg"
             content = drawing_svg(picture)
-            picture.set_layout_engine("none")  # it is laid out; the preview needs no other layout
         else:
             suffix = ".png"
             content = _png(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
