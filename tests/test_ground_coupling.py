@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tunneller_lib.motion import Compressible, Loop, follow
+from tunneller_lib.motion import Compressible, Loop, both_joints, follow
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, face, plan
@@ -61,12 +61,12 @@ def test_force_that_is_renewed_more_often_is_the_same_within_two_percent(
     ground = replace(ground, normal=normal, ripple=0.3, ripple_frequency=12.0)
     made = planned(ground)
     found = []
-    for every in (face.EVERY, 1):
+    for every, step in ((face.EVERY, both_joints.DAMPED), (1, both_joints.DAMPED / 2)):
         monkeypatch.setattr(face, "EVERY", every)
+        monkeypatch.setattr(both_joints, "DAMPED", step)
         first, track, front = begun(made, ground, way, last=120)
-        force = front.force(track)[first:]
         off = CIRCUIT.overbreak(track.position[first:])
-        found.append([off.min(), force.mean(), front.removed.sum()])
+        found.append([off.min(), front.force(track)[first:].mean(), front.removed.sum()])
     finest = np.array(found[-1])
     assert finest[0] < -1e-4  # m: what the ground holds back can be seen
     assert np.abs(np.array(found) / finest - 1).max() < 0.02
