@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tunneller_lib.motion import Compressible, Loop, both_joints, follow
+from tunneller_lib.motion.both_joints import Push
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream import Limits, face, plan
@@ -174,3 +175,16 @@ def test_force_that_never_agrees_with_the_motion_is_refused(monkeypatch):
     said = r"^ground: force and motion must agree within 1e-10 %; got .* in a tick that removes 1\."
     with pytest.raises(ValueError, match=said):
         begun(planned(CONCRETE), CONCRETE, 0.02)
+
+
+def test_steps_are_stable_in_hard_ground_where_the_bent_arm_is_lightest():
+    machine = both_joints.machine_of(AXES, ARM)
+    at = np.array([0.0, 0.999 * machine.phi.high])
+    rests = [one.rest(*pair) for one, *pair in zip(OILY, at, ARM.weight(at), strict=True)]
+    theta, phi = (tuple(map(float, rest)) for rest in rests)
+    state = (theta[0], 1e-3, *theta[2:]), phi, 5 * (0.0,)  # at a rate of a milliradian a second
+    for damper in (1e5, 1e6, 1e7):
+        push = Push(damper=damper, lever=(1.0, 0.0)).rows
+        (parts,) = both_joints.parts_in(machine, 3, push, TICK)
+        moved = both_joints.machine_tick(machine, state, (0.0, 0.0), push[0], parts, TICK)
+        assert abs(moved[0][1]) < 1e-4

@@ -169,8 +169,7 @@ def refill(plotter, other):
 
 def _drawn(pixels, margin):
     """Return the slices, for rows and columns, of what isn't white, and a margin; or of all."""
-    red, green, blue = np.moveaxis(pixels, -1, 0)
-    drawn = red & green & blue != 255
+    drawn = pixels[..., 0] & pixels[..., 1] & pixels[..., 2] != 255
     if not drawn.any():
         return slice(None), slice(None)
     ends = [np.flatnonzero(drawn.any(axis=axis))[[0, -1]] for axis in (1, 0)]
@@ -208,9 +207,8 @@ def _pixels(plotter):
 def _lettered(plotter, pixels, letters, size):
     """Return a scene's picture with letters of a size in pixels written over it."""
     height, width = pixels.shape[:2]
-    inch = 72.0  # px, so that a point is a pixel
-    drawing = Figure(figsize=(width / inch, height / inch), dpi=inch)
-    drawing.patch.set_visible(False)
+    # A point is a pixel.
+    drawing = Figure(figsize=(width / 72, height / 72), dpi=72, frameon=False)
     halo = [withStroke(linewidth=size / 4, foreground="white")]
     style = dict(size=size, color=COLOURS["chord"], path_effects=halo, ha="center", va="center")
     line = {"arrowstyle": "-", "lw": size / 16, "shrinkA": 0, "shrinkB": 0, "path_effects": halo}

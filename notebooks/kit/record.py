@@ -209,7 +209,7 @@ class Record:
             content = drawing_svg(picture)
         else:
             suffix = ".png"
-            content = _png(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
+            content = _encoded(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
         _replace(self.root / "figures" / (name + suffix), content)
         self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
         return preview(picture, alt)
@@ -244,7 +244,7 @@ def preview(picture, alt=""):
     from IPython.display import Image  # drawings need no IPython: the extra [picture] has none
 
     drawn = isinstance(picture, matplotlib.figure.Figure)
-    small = _drawing_preview(picture) if drawn else _png(_narrowed(picture, PREVIEW))
+    small = _drawing_preview(picture) if drawn else _encoded(_narrowed(picture, PREVIEW))
     return Image(small, format="png", width=PREVIEW, alt=alt)
 
 
@@ -320,13 +320,9 @@ def _canvas(figure):
     return canvas
 
 
-def _png(pixels):
-    return _encoded(pixels, format="png")
-
-
-def _encoded(pixels, **how):
+def _encoded(pixels, format="png", **how):
     content = io.BytesIO()
-    PIL.Image.fromarray(pixels).save(content, **how)
+    PIL.Image.fromarray(pixels).save(content, format, **how)
     return content.getvalue()
 
 
