@@ -238,4 +238,4 @@ def double_cones_picture(sheet, cones):
         ruling = np.outer([-reach, reach], cones.vertex[k] - cones.contact[k])
         scene.put(plotter, scene.curve(cones.contact[k] + ruling, size / 150), "chord")
     scene.put(plotter, scene.ball(cones.contact[0], size / 50), "error")
-    return scene.shoot(plotter, direction=(1.0, -0.35, 0.9), zoom=1.0)
+    return scene.shoot(plotter, direction=(1.0, -0.35, 0.9), zoom=1.0, width=8)

@@ -8,6 +8,7 @@ import html
 import os
 import secrets
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 from matplotlib import rc_context
@@ -22,7 +23,7 @@ ASLANT = 1.0, -1.5, 0.8  # towards the camera
 UP = 0.0, 0.0, 1.0
 MARGIN = 1 / 80  # of a window's width: white that is left around a picture
 ROUGH = 8  # times as small as a picture is the one that shows where it isn't white
-BESIDE_OTHERS = 0.7  # of a window for pictures up to half as wide as the text
+DENSITY = 300 / 2.54  # px for each cm of paper, of which no more can be seen
 WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
 LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
 BESIDE = 2.5  # letters' sizes; from what is farther away a line leads to its letter
@@ -44,8 +45,8 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
         What is written over the picture: each text, as matplotlib sets it, with the point in the
         scene that it names and its way from there, to the right and up in sizes of the letters.
     width : float
-        Of the picture on paper, in cm, where letters have the size of those in drawings; up to
-        half of the text's the window is smaller, for no paper shows more.
+        Of the picture on paper, in cm, where letters have the size of those in drawings. The
+        window is made smaller until the picture has no more pixels than paper shows.
 
     Returns
     -------
@@ -54,9 +55,7 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
     """
     if direction is not None:
         look(plotter, direction, up, zoom)
-    if width <= TEXT_WIDTH / 2:
-        plotter.window_size = [round(BESIDE_OTHERS * size) for size in plotter.window_size]
-    pixels = _pixels(plotter)
+    pixels = _pixels(plotter, DENSITY * width)
     if letters:
         pixels = _lettered(plotter, pixels, letters, LETTER / width * crop(pixels).shape[1])
     if folder := os.environ.get("TUNNELLER_SCENES"):
@@ -176,20 +175,25 @@ def _drawn(pixels, margin):
     return tuple(slice(max(first - margin, 0), last + margin + 1) for first, last in ends)
 
 
-def _pixels(plotter):
+def _pixels(plotter, most):
     """Return all pixels of a scene's window, of which those that stay white aren't rendered.
 
-    They would take as long as the others. A rough picture shows where they are.
+    They would take as long as the others. A rough picture shows where they are. The window is made
+    smaller where what is drawn would be wider than `most` pixels.
     """
     if plotter.scalar_bars:  # they lie where the window's size puts them
         return plotter.screenshot(return_img=True)
-    width, height = plotter.window_size
-    window, camera = plotter.render_window, plotter.camera
-    window.SetSize(width // ROUGH, height // ROUGH)
+    window, camera, size = plotter.render_window, plotter.camera, plotter.window_size
+    window.SetSize(*(length // ROUGH for length in size))
     rough = plotter.screenshot(return_img=True)
+    shown = [range(n)[part] for n, part in zip(rough.shape, _drawn(rough, 2), strict=False)]
+    less = min(most / (ROUGH * len(shown[1])), 1.0)
+    width, height = (round(less * length) for length in size)
     pixels = np.full((height, width, 3), 255, np.uint8)
-    box = _drawn(rough.repeat(ROUGH, axis=0).repeat(ROUGH, axis=1), 2 * ROUGH)
-    rows, columns = (range(n)[one] for n, one in zip((height, width), box, strict=True))
+    rows, columns = (
+        range(part[0] * n // of, -(-(part[-1] + 1) * n // of))
+        for part, n, of in zip(shown, pixels.shape, rough.shape, strict=False)
+    )
     whole = camera.copy()
     share = len(rows) / height
     camera.parallel_scale *= share
@@ -198,7 +202,7 @@ def _pixels(plotter):
     camera.SetWindowCenter(right, (height - rows[0] - rows[-1] - 1) / len(rows))
     window.SetSize(len(columns), len(rows))
     plotter.render()
-    pixels[box] = plotter.image
+    pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] = plotter.image
     window.SetSize(width, height)
     camera.DeepCopy(whole)
     return pixels
@@ -242,11 +246,14 @@ def _keep(plotter, folder):
         if hasattr(getattr(actor, "mapper", None), "dataset"):  # texts and bars have no mesh
             actor.mapper.dataset = _light(actor.mapper.dataset)
     from IPython import get_ipython
+    from trame_pyvista.widgets import PyVistaLocalView
 
     cell = len(get_ipython().user_ns["In"]) - 1  # IPython's counter may be one ahead
     before = sum(1 for _ in folder.glob(f"{cell:02}-*"))
     folder.mkdir(parents=True, exist_ok=True)
-    plotter.trame.export_vtksz(folder / f"{cell:02}-{before}.vtksz")
+    # Nobody looks at the view that writes the scene: six times it would be prepared for its page.
+    with patch.object(PyVistaLocalView, "update"):
+        plotter.trame.export_vtksz(folder / f"{cell:02}-{before}.vtksz")
 
 
 def _light(mesh):

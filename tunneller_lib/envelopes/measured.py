@@ -186,11 +186,11 @@ def _fitted(contact, n, contact_error, normal_error):
     reach = np.abs(local[:, :2]).max()
     off = max(contact_error, ROUNDING * reach)
     matrix, right = _equations(local, n, reach, off, max(normal_error, ROUNDING))
-    q, root = np.linalg.qr(matrix)
-    # The columns of q are orthonormal: each coefficient's square is by how much it lessens the
-    # squares that are left, in the order of degrees.
-    image = q.T @ right
-    left = np.sum((right - q @ image) ** 2)
+    # The last column of the triangle is what the right side becomes: of each coefficient, in the
+    # order of degrees, by whose square it lessens the squares that are left, and then their root.
+    triangle = np.linalg.qr(np.column_stack([matrix, right]), mode="r")
+    root, image = triangle[:-1, :-1], triangle[:-1, -1]
+    left = triangle[-1, -1] ** 2
     free = len(right) - len(image)
     # The sum of as many squares of noise is about their number, give or take the root of twice it.
     fits = n[:, 2].min() > STEEP and left < free + UNLIKELY * np.sqrt(2 * free)
