@@ -23,7 +23,7 @@ ASLANT = 1.0, -1.5, 0.8  # towards the camera
 UP = 0.0, 0.0, 1.0
 MARGIN = 1 / 80  # of a window's width: white that is left around a picture
 ROUGH = 8  # times as small as a picture is the one that shows where it isn't white
-DENSITY = 300 / 2.54  # px for each cm of paper, of which no more can be seen
+BESIDE_OTHERS = 0.55  # of a window for pictures up to half as wide as the text
 WIDGET = [800, 560]  # px, of a scene that is turned in a notebook
 LETTER = STYLE["font.size"] / 72 * 2.54  # cm on paper, the size of the letters in drawings
 BESIDE = 2.5  # letters' sizes; from what is farther away a line leads to its letter
@@ -45,8 +45,8 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
         What is written over the picture: each text, as matplotlib sets it, with the point in the
         scene that it names and its way from there, to the right and up in sizes of the letters.
     width : float
-        Of the picture on paper, in cm, where letters have the size of those in drawings. The
-        window is made smaller until the picture has no more pixels than paper shows.
+        Of the picture on paper, in cm, where letters have the size of those in drawings; up to
+        half of the text's the window is smaller, for no paper shows more.
 
     Returns
     -------
@@ -55,7 +55,9 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
     """
     if direction is not None:
         look(plotter, direction, up, zoom)
-    pixels = _pixels(plotter, DENSITY * width)
+    if width <= TEXT_WIDTH / 2:
+        plotter.window_size = [round(BESIDE_OTHERS * size) for size in plotter.window_size]
+    pixels = _pixels(plotter)
     if letters:
         pixels = _lettered(plotter, pixels, letters, LETTER / width * crop(pixels).shape[1])
     if folder := os.environ.get("TUNNELLER_SCENES"):
@@ -175,25 +177,20 @@ def _drawn(pixels, margin):
     return tuple(slice(max(first - margin, 0), last + margin + 1) for first, last in ends)
 
 
-def _pixels(plotter, most):
+def _pixels(plotter):
     """Return all pixels of a scene's window, of which those that stay white aren't rendered.
 
-    They would take as long as the others. A rough picture shows where they are. The window is made
-    smaller where what is drawn would be wider than `most` pixels.
+    They would take as long as the others. A rough picture shows where they are.
     """
     if plotter.scalar_bars:  # they lie where the window's size puts them
         return plotter.screenshot(return_img=True)
-    window, camera, size = plotter.render_window, plotter.camera, plotter.window_size
-    window.SetSize(*(length // ROUGH for length in size))
+    width, height = plotter.window_size
+    window, camera = plotter.render_window, plotter.camera
+    window.SetSize(width // ROUGH, height // ROUGH)
     rough = plotter.screenshot(return_img=True)
-    shown = [range(n)[part] for n, part in zip(rough.shape, _drawn(rough, 2), strict=False)]
-    less = min(most / (ROUGH * len(shown[1])), 1.0)
-    width, height = (round(less * length) for length in size)
     pixels = np.full((height, width, 3), 255, np.uint8)
-    rows, columns = (
-        range(part[0] * n // of, -(-(part[-1] + 1) * n // of))
-        for part, n, of in zip(shown, pixels.shape, rough.shape, strict=False)
-    )
+    box = _drawn(rough.repeat(ROUGH, axis=0).repeat(ROUGH, axis=1), 2 * ROUGH)
+    rows, columns = (range(n)[one] for n, one in zip((height, width), box, strict=True))
     whole = camera.copy()
     share = len(rows) / height
     camera.parallel_scale *= share
@@ -202,7 +199,7 @@ def _pixels(plotter, most):
     camera.SetWindowCenter(right, (height - rows[0] - rows[-1] - 1) / len(rows))
     window.SetSize(len(columns), len(rows))
     plotter.render()
-    pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] = plotter.image
+    pixels[box] = plotter.image
     window.SetSize(width, height)
     camera.DeepCopy(whole)
     return pixels
