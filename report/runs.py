@@ -29,8 +29,7 @@ def recover(root):
 def run_stale(chosen):
     """Run the stale ones among some notebooks; tell whether all is well."""
     sources = {notebook: notebook_sources(notebook) for notebook in chosen}
-    stale = drawable([n for n in chosen if State(ROOT, n.stem).stale(sources[n])])
-    stale.reverse()  # the later ones take longer: then no processor waits for one at the end
+    stale = [n for n in chosen if State(ROOT, n.stem).stale(sources[n])]
     if not stale:
         return True
     from report.kernels import shared_imports
@@ -38,6 +37,8 @@ def run_stale(chosen):
     # The work is done in the kernels' own processes.
     pool, failed = ThreadPoolExecutor(len(os.sched_getaffinity(0))), 0
     with shared_imports() if len(stale) > 1 else nullcontext():
+        stale = drawable(stale)
+        stale.reverse()  # the later ones take longer: then no processor waits for one at the end
         try:
             futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
             for number, future in enumerate(as_completed(futures), 1):

@@ -204,15 +204,17 @@ class Record:
         _file_name(name)
         if not alt.strip():
             raise ValueError(f"{name}: needs an alternative text.")
+        seen = preview(picture, alt)
         if isinstance(picture, matplotlib.figure.Figure):
             suffix = ".svg"
+            picture.set_layout_engine("none")  # the file is laid out as what is seen
             content = drawing_svg(picture)
         else:
             suffix = ".png"
             content = _encoded(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
         _replace(self.root / "figures" / (name + suffix), content)
         self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
-        return preview(picture, alt)
+        return seen
 
     def _merge(self, kind, name, entry):
         if not name.isprintable():
