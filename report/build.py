@@ -34,7 +34,7 @@ def main():
         recover(ROOT)
         index, *chapters = notebooks()
         # The index comes last, because it shows what the others recorded.
-        if run_stale(chapters) and run_stale([index]):
+        if run_stale(chapters, [index]):
             return write_report()
         say("The index and report/report.pdf are left as they were, because of the failure above.")
         return 1

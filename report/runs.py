@@ -8,7 +8,7 @@ import shutil
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import nullcontext
+from contextlib import ExitStack
 
 from report.sources import ROOT, draws_scenes, notebook_sources
 from report.state import NotebookFailed, State
@@ -26,29 +26,37 @@ def recover(root):
             shutil.rmtree(place, ignore_errors=True)
 
 
-def run_stale(chosen):
-    """Run the stale ones among some notebooks; tell whether all is well."""
-    sources = {notebook: notebook_sources(notebook) for notebook in chosen}
-    stale = [n for n in chosen if State(ROOT, n.stem).stale(sources[n])]
-    if not stale:
-        return True
-    from report.kernels import shared_imports
+def run_stale(*groups):
+    """Run the stale ones of each group of notebooks, in this order; tell whether all is well."""
+    with ExitStack() as shared:
+        for group in groups:
+            # A later group may show what an earlier one has recorded.
+            sources = {notebook: notebook_sources(notebook) for notebook in group}
+            stale = [n for n in group if State(ROOT, n.stem).stale(sources[n])]
+            if len(stale) > 1:
+                from report.kernels import shared_imports
 
+                shared.enter_context(shared_imports())
+            if not run_all(drawable(stale), sources):
+                return False
+    return True
+
+
+def run_all(chosen, sources):
+    """Run notebooks, whose sources are given, side by side; tell whether all is well."""
     # The work is done in the kernels' own processes.
     pool, failed = ThreadPoolExecutor(len(os.sched_getaffinity(0))), 0
-    with shared_imports() if len(stale) > 1 else nullcontext():
-        stale = drawable(stale)
-        stale.reverse()  # the later ones take longer: then no processor waits for one at the end
-        try:
-            futures = [pool.submit(run, notebook, sources[notebook]) for notebook in stale]
-            for number, future in enumerate(as_completed(futures), 1):
-                try:
-                    text = future.result()
-                except NotebookFailed as error:
-                    text, failed = f"failed: {error}", failed + 1
-                say(f"{number:2} of {len(stale)}  {text}")
-        finally:  # an interrupt or a full disk doesn't wait for the other notebooks
-            pool.shutdown(wait=False, cancel_futures=True)
+    try:
+        # The later ones take longer: begun first, none leaves a processor waiting at the end.
+        futures = [pool.submit(run, notebook, sources[notebook]) for notebook in reversed(chosen)]
+        for number, future in enumerate(as_completed(futures), 1):
+            try:
+                text = future.result()
+            except NotebookFailed as error:
+                text, failed = f"failed: {error}", failed + 1
+            say(f"{number:2} of {len(chosen)}  {text}")
+    finally:  # an interrupt or a full disk doesn't wait for the other notebooks
+        pool.shutdown(wait=False, cancel_futures=True)
     return not failed
 
 

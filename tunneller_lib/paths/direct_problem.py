@@ -130,11 +130,12 @@ class GeodesicPoints:
             ) from None
         theta, phi = np.moveaxis(position, -1, 0)
         point = torus_point(self.torus, theta, phi)
-        # |P - N|^2 = P^2 - 2 P.N + N^2, of which P^2 is the same for all N; so one product of
+        # |P - N|^2 = P^2 - 2 (P.N - N^2 / 2), of which P^2 is the same for all N; so one product of
         # matrices finds the nearest.
         on_way = self.point
-        square = dot(on_way, on_way)[..., None, :] - 2 * point @ np.swapaxes(on_way, -1, -2)
-        near = np.argmin(square, axis=-1)[..., None]
+        nearness = point @ np.swapaxes(on_way, -1, -2)
+        nearness -= dot(on_way, on_way)[..., None, :] / 2
+        near = np.argmax(nearness, axis=-1)[..., None]
         normal = torus_normal(*self._angles)
         across = np.cross(normal, self.tangent)
         on_way = np.broadcast_to(on_way, (*leading, *on_way.shape[-2:]))
