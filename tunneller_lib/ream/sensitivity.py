@@ -46,12 +46,20 @@ def geodesic_bend(circuit, s, q, direction):
 
 
 def _linear(plant, angles):
-    """Return the linear plants of small motions near joint angles (m,) in rad, a list of m."""
+    """Return linear plants of small motions, and which (m,) of them is for each joint angle in rad.
+
+    The angles are an array (m,).
+    """
     # A few suffice, since the oil's stiffness changes slowly with the angle.
     asked = np.linspace(angles.min(), angles.max(), ANGLES)
     models = [plant.linear(angle) for angle in asked.tolist()]
-    nearest = np.abs(angles[:, None] - asked).argmin(axis=-1)
-    return [models[i] for i in nearest]
+    return models, np.abs(angles[:, None] - asked).argmin(axis=-1)
+
+
+def _latenesses(plant, angles):
+    """Return the lateness (m,) of a plant's small motions near joint angles (m,) in rad, in s."""
+    models, nearest = _linear(plant, angles)
+    return np.array([one.lateness for one in models])[nearest]
 
 
 def rounding_passed(plant, loop, rate, angle):
@@ -70,11 +78,10 @@ def rounding_passed(plant, loop, rate, angle):
     k = np.arange(1, HARMONICS + 1)
     turns = np.abs(rate) * loop.tick / loop.count + 1e-9  # at rest the limit of slow motion
     z = np.exp(2j * np.pi * k * turns[:, None])
-    models = _linear(plant, angle)
-    # Many angles share a linear model, and its discrete form takes time.
-    of_model = {one: one.discrete(loop.tick) for one in set(models)}
-    Ad, Bd = (np.stack(part) for part in zip(*(of_model[one] for one in models), strict=True))
-    steady = np.array([one.command(1.0) for one in models])
+    models, nearest = _linear(plant, angle)
+    discrete = zip(*(one.discrete(loop.tick) for one in models), strict=True)
+    Ad, Bd = (np.stack(part)[nearest] for part in discrete)
+    steady = np.array([one.command(1.0) for one in models])[nearest]
     order = Bd.shape[-1]
     held = np.broadcast_to(
         (Bd * steady[:, None]).astype(complex)[:, None, :, None], (*z.shape, order, 1)
@@ -161,12 +168,7 @@ def trailing(plan: Plan, plant: Plants, loop: Loops):
     share = np.array([one.feedforward for one in loop])
     lag = 1 / np.array([one.gain for one in loop])
     delay = np.array([one.delay * plan.tick for one in loop])
-    late = delay + np.transpose(
-        [
-            [one.lateness for one in _linear(axis, q)]
-            for axis, q in zip(plant, motion.position.T, strict=True)
-        ]
-    )
+    late = delay + np.stack(list(map(_latenesses, plant, motion.position.T)), axis=-1)
     # Where the rate isn't fed forward the error must ask for it, which takes lag times the rate.
     behind = -(1 - share) * lag * motion.rate
     first = behind - lag * ((1 - share) * plan.tick / 2 + late) * motion.change
