@@ -8,6 +8,7 @@ would be done, and why.
 import os
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from report.lists import (
     DOCUMENTS,
@@ -52,7 +53,8 @@ def write_report():
     from report.execute import publish_files
 
     try:
-        made = {name: compile_report(name=name) for name in DOCUMENTS}
+        with ThreadPoolExecutor() as pool:
+            made = list(pool.map(lambda name: compile_report(name=name), DOCUMENTS))
     except ReportFailed as error:
         say(f"report/report.pdf left as it was: {error}")
         return 1
@@ -64,7 +66,7 @@ def write_report():
     # The README is somebody's text with findings in it, which they may edit meanwhile.
     with replacement(README) as new:
         new.write_text(with_findings(README.read_text(encoding="utf-8")), encoding="utf-8")
-    contents = {PDFS[name]: pdf for name, pdf in made.items()}
+    contents = {PDFS[name]: pdf for name, pdf in zip(DOCUMENTS, made, strict=True)}
     contents |= {path: text.encode() for path, text in lists.items()}
     publish_files("report", contents, sources, ROOT)
     say(f"report/report.pdf, {time.monotonic() - begun:.1f} s")

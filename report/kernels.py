@@ -78,7 +78,7 @@ def shared_imports():
 def nursery(listener):
     """Fork a kernel for whoever asks, until our own standard input ends."""
     os.environ["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"  # as a kernel has it
-    os.environ["PYDEVD_DISABLE_FILE_VALIDATION"] = "1"  # else the debugger warns of frozen modules
+    sys.modules["debugpy"] = None  # nobody stops a build's kernels in a debugger
     for name in PACKAGES:
         importlib.import_module(name)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # children that end leave nothing behind
