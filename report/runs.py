@@ -32,12 +32,12 @@ def run_stale(*groups):
         for group in groups:
             # A later group may show what an earlier one has recorded.
             sources = {notebook: notebook_sources(notebook) for notebook in group}
-            stale = [n for n in group if State(ROOT, n.stem).stale(sources[n])]
+            stale = drawable([n for n in group if State(ROOT, n.stem).stale(sources[n])])
             if len(stale) > 1:
                 from report.kernels import shared_imports
 
                 shared.enter_context(shared_imports())
-            if not run_all(drawable(stale), sources):
+            if not run_all(stale, sources):
                 return False
     return True
 
@@ -47,7 +47,7 @@ def run_all(chosen, sources):
     # The work is done in the kernels' own processes.
     pool, failed = ThreadPoolExecutor(len(os.sched_getaffinity(0))), 0
     try:
-        # The later ones take longer: begun first, none leaves a processor waiting at the end.
+        # The later ones take longer. If they begin first, no processor waits for one at the end.
         futures = [pool.submit(run, notebook, sources[notebook]) for notebook in reversed(chosen)]
         for number, future in enumerate(as_completed(futures), 1):
             try:

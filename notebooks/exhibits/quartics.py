@@ -103,7 +103,7 @@ def real_roots(coefficients, *, threshold=2.0**-26):
     ----------
     coefficients : (..., n + 1) float
         Highest power first. Rows that aren't finite, or begin with zero, have no roots.
-    threshold : float or (..., 1, 1) float
+    threshold : float, or an array that broadcasts with (..., 1)
         Largest imaginary part of a root that counts as real, as a share of the largest root.
         Rounding alone gives a double root one of the order of the default, the square root
         of the unit in the last place.
@@ -111,7 +111,7 @@ def real_roots(coefficients, *, threshold=2.0**-26):
     Returns
     -------
     roots : (..., n) float
-        Real parts of eigenvalues of the companion matrix.
+        Real parts of eigenvalues of the companion matrix, for all thresholds.
 
     Examples
     --------

@@ -46,7 +46,7 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
         scene that it names and its way from there, to the right and up in sizes of the letters.
     width : float
         Of the picture on paper, in cm, where letters have the size of those in drawings; up to
-        half of the text's the window is smaller, for no paper shows more.
+        half of the text's the window is smaller, which leaves 220 dots an inch or more.
 
     Returns
     -------
@@ -248,7 +248,8 @@ def _keep(plotter, folder):
     cell = len(get_ipython().user_ns["In"]) - 1  # IPython's counter may be one ahead
     before = sum(1 for _ in folder.glob(f"{cell:02}-*"))
     folder.mkdir(parents=True, exist_ok=True)
-    # Nobody looks at the view that writes the scene: six times it would be prepared for its page.
+    # The view writes the scene and is never shown, so it needn't prepare the six states that it
+    # would send to a page.
     with patch.object(PyVistaLocalView, "update"):
         plotter.trame.export_vtksz(folder / f"{cell:02}-{before}.vtksz")
 

@@ -207,8 +207,10 @@ class Record:
         seen = preview(picture, alt)
         if isinstance(picture, matplotlib.figure.Figure):
             suffix = ".svg"
-            picture.set_layout_engine("none")  # the file is laid out as what is seen
+            layout = picture.get_layout_engine()
+            picture.set_layout_engine("none")  # the file keeps the places of the preview
             content = drawing_svg(picture)
+            picture.set_layout_engine(layout)
         else:
             suffix = ".png"
             content = _encoded(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)

@@ -219,6 +219,15 @@ def test_figure_needs_an_alternative_text(record):
         record.figure(figure(height=4)[0], "line", " ")
 
 
+def test_figure_that_is_recorded_again_is_laid_out_again(record):
+    drawing, ax = figure(height=4)
+    record.figure(drawing, "line", "A line.")
+    begin = ax.get_position().x0
+    ax.set_ylabel("a label\nof lines")
+    record.figure(drawing, "line", "A line.")
+    assert ax.get_position().x0 > begin + 0.05
+
+
 @pytest.mark.parametrize("name", ["", "../up", "Two words", ".hidden"])
 def test_file_name_is_refused(record, name):
     with pytest.raises(ValueError, match=r"^name: must have only a-z, 0-9, - and _; got"):

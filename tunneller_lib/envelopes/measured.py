@@ -186,8 +186,9 @@ def _fitted(contact, n, contact_error, normal_error):
     reach = np.abs(local[:, :2]).max()
     off = max(contact_error, ROUNDING * reach)
     matrix, right = _equations(local, n, reach, off, max(normal_error, ROUNDING))
-    # The last column of the triangle is what the right side becomes: of each coefficient, in the
-    # order of degrees, by whose square it lessens the squares that are left, and then their root.
+    # The last column of the triangle is the right side, turned as the matrix was. It has a number
+    # for each coefficient, in the order of degrees, whose square is by how much that coefficient
+    # lessens the sum of squares, and at its end the root of the sum that is left.
     triangle = np.linalg.qr(np.column_stack([matrix, right]), mode="r")
     root, image = triangle[:-1, :-1], triangle[:-1, -1]
     left = triangle[-1, -1] ** 2

@@ -46,9 +46,9 @@ def geodesic_bend(circuit, s, q, direction):
 
 
 def _linear(plant, angles):
-    """Return linear plants of small motions, and which (m,) of them is for each joint angle in rad.
+    """Return linear plants of small motions, and the index (m,) of the nearest to each angle (m,).
 
-    The angles are an array (m,).
+    The joint angles are in rad.
     """
     # A few suffice, since the oil's stiffness changes slowly with the angle.
     asked = np.linspace(angles.min(), angles.max(), ANGLES)
