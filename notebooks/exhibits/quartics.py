@@ -128,10 +128,9 @@ def real_roots(coefficients, *, threshold=2.0**-26):
     with np.errstate(all="ignore"):
         monic = coefficients[..., 1:] / coefficients[..., :1]
     finite = np.all(np.isfinite(monic), axis=-1, keepdims=True)
-    monic = np.where(finite, monic, 0)
     companion = np.zeros((*monic.shape[:-1], n, n))
     companion[..., np.arange(1, n), np.arange(n - 1)] = 1
-    companion[..., :, -1] = -monic[..., ::-1]
+    companion[..., :, -1] = -np.where(finite, monic, 0)[..., ::-1]
     roots = np.linalg.eigvals(companion)
     size = np.max(np.abs(roots), axis=-1, keepdims=True, initial=0)
     is_real = np.abs(roots.imag) <= threshold * size

@@ -243,14 +243,13 @@ def _keep(plotter, folder):
         if hasattr(getattr(actor, "mapper", None), "dataset"):  # texts and bars have no mesh
             actor.mapper.dataset = _light(actor.mapper.dataset)
     from IPython import get_ipython
-    from trame_pyvista.widgets import PyVistaLocalView
 
     cell = len(get_ipython().user_ns["In"]) - 1  # IPython's counter may be one ahead
     before = sum(1 for _ in folder.glob(f"{cell:02}-*"))
     folder.mkdir(parents=True, exist_ok=True)
     # The view writes the scene and is never shown, so it needn't prepare the six states that it
     # would send to a page.
-    with patch.object(PyVistaLocalView, "update"):
+    with patch("trame_pyvista.widgets.PyVistaLocalView.update"):
         plotter.trame.export_vtksz(folder / f"{cell:02}-{before}.vtksz")
 
 

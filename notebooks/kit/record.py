@@ -262,17 +262,12 @@ def moved_preview(drawing, alt):
 
 def _shell():
     """Return the shell of a notebook that runs this, or None; IPython isn't imported for that."""
-    if "IPython" not in sys.modules:
-        return None
-    from IPython import get_ipython
-
-    return get_ipython()
+    ipython = sys.modules.get("IPython")
+    return ipython and ipython.get_ipython()
 
 
 def _stored(name, value, decimals):
-    if isinstance(value, str):
-        return value
-    return steady(number(name, value), decimals or 0)
+    return value if isinstance(value, str) else steady(number(name, value), decimals or 0)
 
 
 def _file_name(name):
@@ -297,11 +292,8 @@ def drawing_svg(figure):
     text = content.getvalue()
     for font, alike in ALIKE.items():
         text = text.replace(font, f"{font}, {alike}")
-    return DIGESTS.sub(named, PLACES.sub(_rounded, text)).encode()
-
-
-def _rounded(places):
-    return FINE.sub(lambda number: f"{float(number[0]):.2f}", places[0])
+    text = PLACES.sub(lambda place: FINE.sub(lambda x: f"{float(x[0]):.2f}", place[0]), text)
+    return DIGESTS.sub(named, text).encode()
 
 
 def drawing_pixels(figure):
