@@ -46,7 +46,7 @@ def shoot(plotter, *, direction=ASLANT, up=UP, zoom=1.3, letters=None, width=TEX
         scene that it names and its way from there, to the right and up in sizes of the letters.
     width : float
         Of the picture on paper, in cm, where letters have the size of those in drawings; up to
-        half of the text's the window is smaller, which leaves 220 dots an inch or more.
+        half of the text's the window is smaller, since print shows fewer pixels of it.
 
     Returns
     -------
