@@ -1,16 +1,16 @@
-"""What all notebooks use to show and to record their results; scenes are in `kit.scene`."""
+"""What all notebooks use to show their results; scenes are in `kit.scene`."""
 
 from .chapters import ending
 from .interactive import sliders
 from .moving import moving_picture
 from .number_format import in_words
-from .record import Record, preview
+from .record import Show, preview
 from .style import COLOURS, ERROR_MAP, figure
 
 __all__ = [
     "COLOURS",
     "ERROR_MAP",
-    "Record",
+    "Show",
     "ending",
     "figure",
     "in_words",

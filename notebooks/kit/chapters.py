@@ -98,12 +98,12 @@ def _minutes(cells):
     return 5 * math.ceil((words / WORDS + lines / LINES) / 5)
 
 
-def ending(record, words=""):
+def ending(show, words=""):
     """Return what a notebook found, in the numbers that it recorded, and the ways on from it.
 
     Parameters
     ----------
-    record : Record
+    show : Show
         Of the notebook.
     words : str
         The finding in Markdown, with the names of recorded numbers in braces; the sentence of
@@ -116,18 +116,18 @@ def ending(record, words=""):
 
     Examples
     --------
-    >>> from kit import Record
-    >>> print(ending(Record("08_cone"), "It is so.").data)
+    >>> from kit import Show
+    >>> print(ending(Show("08_cone"), "It is so.").data)
     It is so.
     <BLANKLINE>
     [00 index](00_index.ipynb) · [07 chord](07_chord.ipynb) · [09 geodesic](09_geodesic.ipynb)
     """
     index, *names = [path.stem for path in sorted(NOTEBOOKS.glob("[0-9]*.ipynb"))]
-    at = names.index(record.notebook)
+    at = names.index(show.notebook)
     near = [index, *names[max(at - 1, 0) : at], *names[at + 1 : at + 2]]
     links = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
-    sentence = words or _contents()["found"][record.notebook]
-    said = filled(record.notebook, sentence, record.root)
+    sentence = words or _contents()["found"][show.notebook]
+    said = filled(show.notebook, sentence, show.root)
     return _markdown(f"{said}\n\n{links}")
 
 

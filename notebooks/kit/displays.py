@@ -1,4 +1,4 @@
-"""What a notebook shows of a record: a number with its name and unit, a table with its headings."""
+"""A recorded table as a notebook shows it, below its headings."""
 
 import re
 
@@ -7,19 +7,6 @@ SIGNS = {
     r"\/": "/", "<=": "≤", "phi.alt": "ϕ", "phi": "φ", "theta": "θ", "nu": "ν", "pi": "π", "-": "−",
 }  # fmt: skip
 RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-class RecordedText(str):
-    """A text that a notebook shows without quotation marks.
-
-    Examples
-    --------
-    >>> RecordedText("length of the arm: 1.10 m")
-    length of the arm: 1.10 m
-    """
-
-    def __repr__(self):
-        return str(self)
 
 
 class RecordedTable(list):

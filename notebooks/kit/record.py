@@ -1,7 +1,7 @@
-"""Numbers, tables and figures on their way from a notebook to the report.
+"""Numbers, tables and figures that a notebook shows, and that the report takes from there.
 
 The report holds no typed result: it reads report/numbers/<notebook>.json and figures/, which the
-build takes from what this module writes.
+build takes from what this module writes as it shows it.
 """
 
 import io
@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from tunneller_lib.arguments import shown
 from tunneller_lib.atomic_write import replacement
 
-from .displays import RecordedTable, RecordedText
+from .displays import RecordedTable
 from .number_format import cell, decimals_of, exponent, number, significant, steady
 
 CHECKOUT = Path(__file__).resolve().parents[2]
@@ -45,8 +45,8 @@ ALIKE = {"'DejaVu Sans'": "Verdana", "'STIXGeneral'": "'Times New Roman', serif"
 DIGESTS = re.compile(r'(?<=[#"])([phm]|image)[0-9a-f]{10}(?=[)"])')
 
 
-class Record:
-    """The results of one notebook.
+class Show:
+    """What shows the results of one notebook, and records them for the report.
 
     Parameters
     ----------
@@ -61,12 +61,12 @@ class Record:
 
     Examples
     --------
-    >>> record = Record("02_torus")
-    >>> record("length of the arm", 1.0987, "m", digits=3)
+    >>> show = Show("02_torus")
+    >>> show("length of the arm", 1.0987, "m", digits=3)
     length of the arm: 1.10 m
-    >>> record("residual, worst", 3.1e-14, "m", below=1e-12)
+    >>> show("residual, worst", 3.1e-14, "m", below=1e-12)
     residual, worst: at most 1e-12 m
-    >>> record.order("arm against leg", 1.0987, 1.2)
+    >>> show.order("arm against leg", 1.0987, 1.2)
     arm against leg: less
     """
 
@@ -75,7 +75,7 @@ class Record:
         self.root = Path(os.environ.get("TUNNELLER_RESULTS", CHECKOUT / "build" / "lab"))
 
     def __call__(self, name, value, unit, *, digits=None, below=None):
-        """Record a number.
+        """Print a number after its name.
 
         Parameters
         ----------
@@ -91,11 +91,6 @@ class Record:
             For a quantity at rounding level, which differs between machines: only this bound is
             recorded, and a value that's negative or above it is refused.
 
-        Returns
-        -------
-        text : str
-            The number as printed, after its name: the last line of a cell shows it.
-
         Raises
         ------
         ValueError
@@ -109,16 +104,17 @@ class Record:
             if not 0 <= value <= below:
                 raise ValueError(f"{name}: must lie between 0 and {below}; got {value}.")
             text = exponent(repr(below))
-            self._merge("numbers", name, {"bound": below, "unit": unit, "text": text})
-            return RecordedText(f"{name}: at most {text} {unit}".strip())
-        text = significant(name, value, digits)
-        stored = steady(value, decimals_of(value, digits))
-        entry = {"value": stored, "unit": unit, "digits": digits, "text": text}
+            entry = {"bound": below, "unit": unit, "text": text}
+            said = f"at most {text}"
+        else:
+            said = text = significant(name, value, digits)
+            stored = steady(value, decimals_of(value, digits))
+            entry = {"value": stored, "unit": unit, "digits": digits, "text": text}
         self._merge("numbers", name, entry)
-        return RecordedText(f"{name}: {text} {unit}".strip())
+        print(f"{name}: {said} {unit}".strip())
 
     def order(self, name, first, second):
-        """Record which of two numbers is the lesser, so that words can be compared with it.
+        """Print which of two numbers is the lesser, so that words can be compared with it.
 
         Parameters
         ----------
@@ -126,11 +122,6 @@ class Record:
             What is compared with what; the report asks for it by this name.
         first, second : int or float, of Python or numpy
             The numbers, in one unit.
-
-        Returns
-        -------
-        order : str
-            After the name ``less`` or ``greater``: what the first is.
 
         Raises
         ------
@@ -144,10 +135,10 @@ class Record:
             raise ValueError(f"{name}: must differ by {CLOSE:g} of either; got {first}, {second}.")
         order = "less" if first < second else "greater"
         self._merge("orders", name, {"order": order})
-        return RecordedText(f"{name}: {order}")
+        print(f"{name}: {order}")
 
     def table(self, name, columns, rows, *, decimals=None):
-        """Record a table.
+        """Show a table below its headings.
 
         Parameters
         ----------
@@ -160,11 +151,6 @@ class Record:
         decimals : list of int, optional
             Decimals printed of each column. Only floats need them.
 
-        Returns
-        -------
-        text : list of list of str
-            The cells as printed; a notebook shows them below their headings.
-
         Raises
         ------
         ValueError
@@ -176,10 +162,10 @@ class Record:
         text = [[cell(name, c, d) for _, c, d in row] for row in each]
         cells = [[_stored(name, c, d) for _, c, d in row] for row in each]
         self._merge("tables", name, {"columns": columns, "rows": cells, "text": text})
-        return RecordedTable(columns, text)
+        _display(RecordedTable(columns, text))
 
     def figure(self, picture, name, alt):
-        """Save a figure with its alternative text.
+        """Show a figure and save it with its alternative text.
 
         Parameters
         ----------
@@ -190,11 +176,6 @@ class Record:
             File name, without suffix.
         alt : str
             What the figure shows, for those who can't see it.
-
-        Returns
-        -------
-        preview : IPython.display.Image
-            The figure as a notebook shows it.
 
         Raises
         ------
@@ -216,7 +197,7 @@ class Record:
             content = _encoded(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
         _replace(self.root / "figures" / (name + suffix), content)
         self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
-        return seen
+        _display(seen)
 
     def _merge(self, kind, name, entry):
         if not name.isprintable():
@@ -258,6 +239,12 @@ def moved_preview(drawing, alt):
 
     content = _encoded(drawing_pixels(drawing), **MOVED)
     return Image(content, format=MOVED["format"], width=PREVIEW, alt=alt)
+
+
+def _display(seen):
+    from IPython.display import display  # a number needs no IPython
+
+    display(seen)
 
 
 def _shell():

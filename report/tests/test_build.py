@@ -20,11 +20,11 @@ from report.state import State
 
 pytestmark = pytest.mark.usefixtures("shared_kernels")
 
-RECORD = """from kit import Record
-record = Record("01_test")
-record("it", {value}, "m")"""
+SHOW = """from kit import Show
+show = Show("01_test")
+show("it", {value}, "m")"""
 DRAW = """from kit.style import figure
-record.figure(figure(height=4)[0], "axes", "Empty axes.")"""
+show.figure(figure(height=4)[0], "axes", "Empty axes.")"""
 
 
 def place(root):
@@ -56,7 +56,7 @@ def checkout(tmp_path_factory):
     The results are still to be moved into place.
     """
     notebook = place(tmp_path_factory.mktemp("checkout"))
-    write(notebook, RECORD.format(value=1), DRAW)
+    write(notebook, SHOW.format(value=1), DRAW)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(execute, "publish", lambda place: None)
         run_notebook(notebook, {"a": "1"})
@@ -83,7 +83,7 @@ def test_running_puts_results_into_place(run_before):
     assert records(run_before)[1]["numbers"]["it"]["cell"] == 1
     assert records(run_before)[1]["figures"]["axes"]["cell"] == 2
     assert (run_before.parent.parent / "figures" / "axes.svg").exists()
-    write(run_before, RECORD.format(value=1), DRAW)
+    write(run_before, SHOW.format(value=1), DRAW)
     assert not is_run(run_before)
 
 
@@ -114,7 +114,7 @@ def test_change_of_cell_module_data_or_environment_is_seen(notebook):
 
 
 def test_result_no_longer_made_is_removed(run_before):
-    write(run_before, RECORD.format(value=1))
+    write(run_before, SHOW.format(value=1))
     run_notebook(run_before)
     assert not (run_before.parent.parent / "figures" / "axes.svg").exists()
     write(run_before, "1")
@@ -131,7 +131,7 @@ def test_result_no_longer_made_is_removed(run_before):
     ],
 )
 def test_failure_names_the_cell_and_changes_nothing(run_before, last, message):
-    write(run_before, RECORD.format(value=2), last)
+    write(run_before, SHOW.format(value=2), last)
     content = nbformat.read(run_before, as_version=4)
     content.cells.insert(0, new_markdown_cell("Cells of text aren't counted.", id="text"))
     nbformat.write(content, run_before)
@@ -142,7 +142,7 @@ def test_failure_names_the_cell_and_changes_nothing(run_before, last, message):
 
 
 def test_kernel_that_dies_while_it_starts_is_a_sentence(run_before, tmp_path_factory, monkeypatch):
-    write(run_before, RECORD.format(value=2))
+    write(run_before, SHOW.format(value=2))
     before = files(run_before)
     spec = {"argv": ["false", "{connection_file}"], "display_name": "", "language": "python"}
     folder = tmp_path_factory.mktemp("jupyter")
@@ -211,7 +211,7 @@ def test_edit_after_a_killed_build_is_kept(finished):
 def test_disk_that_takes_no_more_changes_nothing_and_is_told(
     run_before, reason, monkeypatch, capsys
 ):
-    write(run_before, RECORD.format(value=2))
+    write(run_before, SHOW.format(value=2))
     before = files(run_before)
 
     def refuse(*_):

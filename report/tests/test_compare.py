@@ -136,10 +136,10 @@ def test_missing_picture_is_told(tmp_path):
 # ---- what pytest says of a notebook -----------------------------------------------------------
 
 SOURCES = [
-    "from kit import Record\nrecord = Record('01_test')",
-    "record('it', 1.25, 'm', digits=3)",
+    "from kit import Show\nshow = Show('01_test')",
+    "show('it', 1.25, 'm', digits=3)",
     "from kit.style import figure\n"
-    "drawing, ax = figure(height=4)\nrecord.figure(drawing, 'axes', 'Empty axes.')",
+    "drawing, ax = figure(height=4)\nshow.figure(drawing, 'axes', 'Empty axes.')",
     "print(0.5)",
 ]
 CHANGES = {

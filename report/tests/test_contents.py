@@ -8,7 +8,7 @@ from html import unescape
 
 import pytest
 
-from kit import Record, ending
+from kit import Show, ending
 from kit.chapters import course_table, filled, machine_map, printed, read_chapters, worth
 from report.site.proofs import proofs
 from report.sources import INDEX, ROOT, notebooks
@@ -46,12 +46,12 @@ def test_chapters_ask_and_answer():
 
 def test_ending_tells_the_finding_and_the_ways_on(monkeypatch):
     monkeypatch.setenv("TUNNELLER_RESULTS", str(ROOT))  # only to read
-    text = ending(Record("08_cone")).data
+    text = ending(Show("08_cone")).data
     assert filled("08_cone", CONTENTS["found"]["08_cone"]) in text
     assert re.findall(r"\]\((\w+)\.ipynb\)", text) == ["00_index", "07_chord", "09_geodesic"]
-    own = ending(Record("08_cone"), "It is {excess} longer.").data
+    own = ending(Show("08_cone"), "It is {excess} longer.").data
     assert re.match(r"It is [\d.]+\S* \S+ longer\.\n", own) or "{" not in own
-    first, last = (ending(Record(CHAPTERS[i].stem)).data for i in (0, -1))
+    first, last = (ending(Show(CHAPTERS[i].stem)).data for i in (0, -1))
     assert first.count(".ipynb)") == last.count(".ipynb)") == 2
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kit import Record, figure
+from kit import Show, figure
 from kit.record import drawing_svg
 from report.sources import ROOT, cells
 
@@ -24,8 +24,8 @@ def root(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def record(root):
-    return Record("01_test")
+def show(root):
+    return Show("01_test")
 
 
 def stored(root):
@@ -52,8 +52,9 @@ def stored(root):
         (np.array(0.5), 1, "0.5"),
     ],
 )
-def test_number_is_printed_with_its_digits(record, root, value, digits, text):
-    assert record("it", value, "m", digits=digits) == f"it: {text} m"
+def test_number_is_printed_with_its_digits(show, root, capsys, value, digits, text):
+    show("it", value, "m", digits=digits)
+    assert capsys.readouterr().out == f"it: {text} m\n"
     assert stored(root)["numbers"]["it"]["text"] == text
 
 
@@ -75,16 +76,16 @@ def test_number_is_printed_with_its_digits(record, root, value, digits, text):
         (float("nan"), {"below": 1e-9}, "it: must be one finite number; got nan."),
     ],
 )
-def test_number_is_refused(record, root, value, options, message):
+def test_number_is_refused(show, root, value, options, message):
     with pytest.raises(ValueError, match=message.replace(".", r"\.")):
-        record("it", value, "m", **options)
+        show("it", value, "m", **options)
     assert not (root / "report").exists()
 
 
-def test_bound_is_stored_and_not_the_value(record, root):
+def test_bound_is_stored_and_not_the_value(show, root, capsys):
     for residual in (3e-14, 0.0, 1e-12):
-        shown = record("residual", residual, "", below=1e-12)
-        assert shown == repr(shown) == "residual: at most 1e-12"
+        show("residual", residual, "", below=1e-12)
+        assert capsys.readouterr().out == "residual: at most 1e-12\n"
     assert stored(root)["numbers"]["residual"] == {"bound": 1e-12, "text": "1e-12", "unit": ""}
 
 
@@ -92,8 +93,9 @@ def test_bound_is_stored_and_not_the_value(record, root):
     ("first", "second", "order"),
     [(1, 2, "less"), (2.0, np.float64(1.999), "greater"), (-1, 0, "less"), (0.0, -1e-9, "greater")],
 )
-def test_order_is_stored_as_a_word(record, root, first, second, order):
-    assert record.order("one against the other", first, second) == f"one against the other: {order}"
+def test_order_is_stored_as_a_word(show, root, capsys, first, second, order):
+    show.order("one against the other", first, second)
+    assert capsys.readouterr().out == f"one against the other: {order}\n"
     assert stored(root)["orders"] == {"one against the other": {"order": order}}
 
 
@@ -107,34 +109,37 @@ def test_order_is_stored_as_a_word(record, root, first, second, order):
         (0, 0, "it: must differ by 1e-06 of either; got 0, 0."),
     ],
 )
-def test_order_is_refused(record, root, first, second, message):
+def test_order_is_refused(show, root, first, second, message):
     with pytest.raises(ValueError, match=message.replace(".", r"\.")):
-        record.order("it", first, second)
+        show.order("it", first, second)
     assert not (root / "report").exists()
 
 
-def test_last_bits_are_not_stored(record, root):
-    record("sum", 0.1 + 0.2, "", digits=2)
+def test_last_bits_are_not_stored(show, root):
+    show("sum", 0.1 + 0.2, "", digits=2)
     assert stored(root)["numbers"]["sum"]["value"] == 0.3
-    record("third", 1 / 3, "", digits=2)
+    show("third", 1 / 3, "", digits=2)
     assert stored(root)["numbers"]["third"]["value"] == 0.33333
-    record("large", 1e7 / 3, "", digits=2)
+    show("large", 1e7 / 3, "", digits=2)
     assert stored(root)["numbers"]["large"]["value"] == 3333300.0
-    record.table("t", ["x"], [[2 / 3], [-1e-9]], decimals=[1])
+    show.table("t", ["x"], [[2 / 3], [-1e-9]], decimals=[1])
     assert stored(root)["tables"]["t"]["rows"] == [[0.6667], [0.0]]
 
 
-def test_table_is_printed_with_its_decimals(record, root):
+def test_table_is_printed_with_its_decimals(show, root):
     rows = [["a", 1, 0.02024, -0.0001], ["b", 2, 1.0, 0.0]]
-    text = record.table("t", ["name", "n", "x / m", "y / m"], rows, decimals=[None, None, 4, 2])
-    assert text == [["a", "1", "0.0202", "0.00"], ["b", "2", "1.0000", "0.00"]]
+    show.table("t", ["name", "n", "x / m", "y / m"], rows, decimals=[None, None, 4, 2])
+    printed = [["a", "1", "0.0202", "0.00"], ["b", "2", "1.0000", "0.00"]]
+    assert stored(root)["tables"]["t"]["text"] == printed
     assert stored(root)["tables"]["t"]["rows"] == rows
 
 
-def test_table_is_shown_below_its_headings(record):
+def test_table_is_shown_below_its_headings(show, monkeypatch):
+    shown = []
+    monkeypatch.setattr("IPython.display.display", shown.append)
     columns = ["path", "$R\\/r$", "$nu_4 <= 10^(-9)$", "area / m#super[2]"]
-    table = record.table("t", columns, [["$|bold(m)|$", "*-2*", "$x - y$", 3]])
-    assert table._repr_markdown_().split("\n") == [
+    show.table("t", columns, [["$|bold(m)|$", "*-2*", "$x - y$", 3]])
+    assert shown[0]._repr_markdown_().split("\n") == [
         "| path | R/r | ν_4 ≤ 10⁻⁹ | area / m² |",
         "|-|-|-|-|",
         r"| \|m\| | *-2* | x − y | 3 |",
@@ -151,9 +156,9 @@ def test_table_is_shown_below_its_headings(record):
         ([[None]], [1], "must be one finite number"),
     ],
 )
-def test_table_is_refused(record, rows, decimals, message):
+def test_table_is_refused(show, rows, decimals, message):
     with pytest.raises(ValueError, match=message):
-        record.table("t", ["x"], rows, decimals=decimals)
+        show.table("t", ["x"], rows, decimals=decimals)
 
 
 def full_of_names(push=0.0):
@@ -214,26 +219,26 @@ def test_drawing_has_the_same_bytes_in_two_processes_whose_memory_differs():
     assert len(contents[0].stdout) > 10_000 and contents[0].stdout == contents[1].stdout
 
 
-def test_figure_needs_an_alternative_text(record):
+def test_figure_needs_an_alternative_text(show):
     with pytest.raises(ValueError, match=r"line: needs an alternative text\."):
-        record.figure(figure(height=4)[0], "line", " ")
+        show.figure(figure(height=4)[0], "line", " ")
 
 
-def test_figure_that_is_recorded_again_is_laid_out_again(record):
+def test_figure_that_is_recorded_again_is_laid_out_again(show):
     drawing, ax = figure(height=4)
-    record.figure(drawing, "line", "A line.")
+    show.figure(drawing, "line", "A line.")
     begin = ax.get_position().x0
     ax.set_ylabel("a label\nof lines")
-    record.figure(drawing, "line", "A line.")
+    show.figure(drawing, "line", "A line.")
     assert ax.get_position().x0 > begin + 0.05
 
 
 @pytest.mark.parametrize("name", ["", "../up", "Two words", ".hidden"])
-def test_file_name_is_refused(record, name):
+def test_file_name_is_refused(show, name):
     with pytest.raises(ValueError, match=r"^name: must have only a-z, 0-9, - and _; got"):
-        Record(name)
+        Show(name)
     with pytest.raises(ValueError, match=r"^name: must have only a-z, 0-9, - and _; got"):
-        record.figure(figure(height=4)[0], name, "A line.")
+        show.figure(figure(height=4)[0], name, "A line.")
 
 
 def test_chapter_that_is_run_by_hand_changes_nothing_but_the_folder_build():

@@ -14,7 +14,7 @@ TEXTS = {path.stem: path.read_text("utf-8") for path in sources()}
 CAPTIONS = {name: captions(text) for name, text in TEXTS.items()}
 WAY_OUT = (
     'Make the word from a record: #than("notebook", "record", "shorter") after '
-    'record.order("record", a, b), or #count("notebook", "record").'
+    'show.order("record", a, b), or #count("notebook", "record").'
 )
 
 
