@@ -28,7 +28,7 @@ def sliders(draw, *, alt="", **ranges):
     alt : str
         What is shown at the start, for those who can't see it; where there are sliders a
         drawing's values are added. With it a run without a screen shows the drawing too; without,
-        that's left to the one who records it. A scene needs it.
+        that's left to the one who shows it. A scene needs it.
     **ranges
         (low, high, start) of each value, perhaps with its unit; whole numbers make a slider of
         whole numbers. A name's words, joined by ``_``, stand beside the slider.

@@ -114,7 +114,7 @@ class Show:
         print(f"{name}: {said} {unit}".strip())
 
     def order(self, name, first, second):
-        """Print which of two numbers is the lesser, so that words can be compared with it.
+        """Print whether one number is less or greater than another, for words to be compared with.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class Show:
         print(f"{name}: {order}")
 
     def table(self, name, columns, rows, *, decimals=None):
-        """Show a table below its headings.
+        """Show a table, in a notebook below its headings.
 
         Parameters
         ----------
@@ -183,7 +183,8 @@ class Show:
             If there's no alternative text, or the name isn't fit for a file.
         """
         _file_name(name)
-        if not alt.strip():
+        alt = " ".join(alt.split())
+        if not alt:
             raise ValueError(f"{name}: needs an alternative text.")
         seen = preview(picture, alt)
         if isinstance(picture, matplotlib.figure.Figure):
@@ -196,7 +197,7 @@ class Show:
             suffix = ".png"
             content = _encoded(_narrowed(picture, min(PRINTED, picture.shape[1])) | LOWEST)
         _replace(self.root / "figures" / (name + suffix), content)
-        self._merge("figures", name, {"file": name + suffix, "alt": " ".join(alt.split())})
+        self._merge("figures", name, {"file": name + suffix, "alt": alt})
         _display(seen)
 
     def _merge(self, kind, name, entry):

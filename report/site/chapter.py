@@ -1,6 +1,6 @@
 """A notebook as a page: its prose, code and stored outputs, nothing run.
 
-Code that sets up, draws or records is folded, as it is in JupyterLab; what carries the idea isn't.
+Code that sets up, draws or shows is folded, as it is in JupyterLab; what carries the idea isn't.
 """
 
 import ast

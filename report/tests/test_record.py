@@ -76,10 +76,10 @@ def test_number_is_printed_with_its_digits(show, root, capsys, value, digits, te
         (float("nan"), {"below": 1e-9}, "it: must be one finite number; got nan."),
     ],
 )
-def test_number_is_refused(show, root, value, options, message):
+def test_number_is_refused(show, root, capsys, value, options, message):
     with pytest.raises(ValueError, match=message.replace(".", r"\.")):
         show("it", value, "m", **options)
-    assert not (root / "report").exists()
+    assert not (root / "report").exists() and capsys.readouterr().out == ""
 
 
 def test_bound_is_stored_and_not_the_value(show, root, capsys):
@@ -217,6 +217,14 @@ def test_drawing_has_the_same_bytes_in_two_processes_whose_memory_differs():
         for filled, seed in (("0", "1"), ("3000", "2"))
     ]  # fmt: skip
     assert len(contents[0].stdout) > 10_000 and contents[0].stdout == contents[1].stdout
+
+
+def test_figure_is_shown_with_its_alternative_text_on_one_line(show, root, monkeypatch):
+    shown = []
+    monkeypatch.setattr("IPython.display.display", shown.append)
+    show.figure(figure(height=4)[0], "line", "A line\n and no more.")
+    assert stored(root)["figures"]["line"] == {"file": "line.svg", "alt": "A line and no more."}
+    assert shown[0].alt == "A line and no more."
 
 
 def test_figure_needs_an_alternative_text(show):
