@@ -126,8 +126,7 @@ def ending(show, words=""):
     at = names.index(show.notebook)
     near = [index, *names[max(at - 1, 0) : at], *names[at + 1 : at + 2]]
     links = " · ".join(f"[{name.replace('_', ' ')}]({name}.ipynb)" for name in near)
-    sentence = words or _contents()["found"][show.notebook]
-    said = filled(show.notebook, sentence, show.root)
+    said = filled(show.notebook, words or _contents()["found"][show.notebook], show.root)
     return _markdown(f"{said}\n\n{links}")
 
 

@@ -205,9 +205,7 @@ class Show:
             raise ValueError(f"name: must be of one line; got {shown(name)}.")
         file = self.root / "report" / "numbers" / f"{self.notebook}.json"
         content = json.loads(file.read_text()) if file.exists() else {}
-        if shell := _shell():  # run from top to bottom, the inputs so far are the code cells
-            entry = entry | {"cell": len(shell.user_ns["In"]) - 1}
-        content.setdefault(kind, {})[name] = entry
+        content.setdefault(kind, {})[name] = entry | _place()
         text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
         _replace(file, (text + "\n").encode())
 
@@ -248,10 +246,14 @@ def _display(seen):
     display(seen)
 
 
-def _shell():
-    """Return the shell of a notebook that runs this, or None; IPython isn't imported for that."""
+def _place():
+    """Return which code cell of a notebook this runs in, or nothing, without a load of IPython.
+
+    Run from top to bottom, the inputs so far are the code cells.
+    """
     ipython = sys.modules.get("IPython")
-    return ipython and ipython.get_ipython()
+    shell = ipython and ipython.get_ipython()
+    return {"cell": len(shell.user_ns["In"]) - 1} if shell else {}
 
 
 def _stored(name, value, decimals):
