@@ -114,7 +114,7 @@ class Show:
         print(f"{name}: {said} {unit}".strip())
 
     def order(self, name, first, second):
-        """Print whether one number is less or greater than another, for words to be compared with.
+        """Print whether the first number is less or greater, so that words can be compared with it.
 
         Parameters
         ----------

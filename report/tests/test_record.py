@@ -82,6 +82,12 @@ def test_number_is_refused(show, root, capsys, value, options, message):
     assert not (root / "report").exists() and capsys.readouterr().out == ""
 
 
+def test_name_of_two_lines_is_refused_and_nothing_shown(show, root, capsys):
+    with pytest.raises(ValueError, match=r"^name: must be of one line; got 'a\\nb'\.$"):
+        show("a\nb", 1, "m")
+    assert not (root / "report").exists() and capsys.readouterr().out == ""
+
+
 def test_bound_is_stored_and_not_the_value(show, root, capsys):
     for residual in (3e-14, 0.0, 1e-12):
         show("residual", residual, "", below=1e-12)
@@ -109,10 +115,10 @@ def test_order_is_stored_as_a_word(show, root, capsys, first, second, order):
         (0, 0, "it: must differ by 1e-06 of either; got 0, 0."),
     ],
 )
-def test_order_is_refused(show, root, first, second, message):
+def test_order_is_refused(show, root, capsys, first, second, message):
     with pytest.raises(ValueError, match=message.replace(".", r"\.")):
         show.order("it", first, second)
-    assert not (root / "report").exists()
+    assert not (root / "report").exists() and capsys.readouterr().out == ""
 
 
 def test_last_bits_are_not_stored(show, root):
