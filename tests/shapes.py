@@ -48,15 +48,20 @@ def ends_at_limits(torus):
     return p.reshape(-1, 2), q.reshape(-1, 2)
 
 
-def ways_of(family, torus, a, b, unknowns, nodes=96):
-    """Return c, turned angle, its rate and length (4, n) of ways of a class from phi = a to b."""
-    shares, weights = geodesic_root.rule(nodes)
-    rule, room = ((shares, weights), nodes // 2), np.empty((3, nodes // 2))
+def ways_of(family, torus, a, b, unknowns, nodes=200):
+    """Return c, turned angle, its rate and length (4, n) of ways of a class from phi = a to b.
+
+    They are by so many nodes, or as many as the library takes: `nodes` None.
+    """
+    rules, room = geodesic_root.quadratures(torus.r > torus.R, ready=False), np.empty((3, 100))
+    if nodes:
+        count = [nodes // 2, nodes // 2]
+        rules = [geodesic_root.rule(nodes)] * len(rules[0]), [count] * len(rules[0])
     ends = geodesic_root.ends_at(torus, a, b)
     found = []
     for u in unknowns:
         way = geodesic_root.way_of(family, torus, ends, float(u))
-        whole = geodesic_root.integrate_way(torus, way, family, False, rule, room)
+        whole = geodesic_root.integrate_way(torus, way, family, False, rules, room)
         found.append([way.c, *whole])
     return np.array(found).T
 

@@ -45,10 +45,11 @@ NARROW = 0.03  # of the larger radius: an end as near to a node, or the inner eq
 CLOSE = 1e-5  # rad, short of what half a swing by a node turns: such ways need legs, too
 PI_REST = 1.2246467991473532e-16  # pi less math.pi
 
-# Of the quadrature: where no geodesic comes near a node of the torus, on other spindles, on rings.
-NODES_OF_WORKING_SHEET = 20
-NODES = 96
-NODES_OF_RING = 64
+# Pairs of nodes of the quadrature, by how many fifths y grows along a way (`_stretched`): on all
+# tori so many that more change nothing, found by trial. They grow as exp(0.66 y), to a last number.
+PAIRS = 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 20, 24, 28
+FIFTHS = len(PAIRS)
+MOST_PAIRS, MOST_ON_RING = 48, 32
 
 ROUNDS = 200  # Newton's method takes about four; halving takes sixty, and more for roots of 1e-30
 NEAR = 1e-5  # rad, by which the turned angle may be off where the last step begins
@@ -429,7 +430,7 @@ def _leg(way, first, span, motion):
 # ---- both integrals ------------------------------------------------------------
 
 
-def integrate(torus, way, nodes, rows):
+def integrate(torus, way, rules, rows):
     """Return the turned angle of a geodesic, its rate by the unknown, and the length.
 
     Parameters
@@ -438,23 +439,31 @@ def integrate(torus, way, nodes, rows):
         The surface.
     way : Integrand
         Constants and limits.
-    nodes : (shares and weights, count)
-        Of a quadrature, see `quadratures`: so many of its nodes count.
+    rules : tuple
+        The `quadratures`.
     rows : (3, m) float
-        Room for what the nodes add.
+        Room for what the nodes add, m at least as many as there are pairs.
 
     Returns
     -------
     turned, rate, length : float
         In rad, rad and m.
     """
-    shares, count = nodes
-    add_nodes(torus, way, shares, rows)
-    rate = folded(rows[1], count) + moving(torus, way)
-    return folded(rows[0], count), rate, folded(rows[2], count)
+    stretched = _stretched(torus, way)
+    fifths = 5 * stretched[3]
+    # What isn't a number takes the last quadrature, too.
+    which = int(fifths) if fifths < FIFTHS else FIFTHS
+    places, count = rules[1][which]
+    add_nodes(torus, way, stretched, rules[0][which], places, rows)
+    turned, rate, length = 0.0, moving(torus, way), 0.0
+    for k in range(count):
+        turned = turned + rows[0][k]
+        rate = rate + rows[1][k]
+        length = length + rows[2][k]
+    return turned, rate, length
 
 
-def add_nodes(torus, way, nodes, rows):
+def add_nodes(torus, way, stretched, nodes, places, rows):
     """Fill in what the nodes of a quadrature add to each integral, two nodes to a place.
 
     The quadrature runs over y, see `_stretched`. Each place of a row holds the sum of two nodes:
@@ -468,6 +477,8 @@ def add_nodes(torus, way, nodes, rows):
         The surface.
     way : Integrand
         Constants and limits.
+    stretched : tuple
+        As `_stretched` returns it.
     nodes : (2, k) float
         Shares and weights.
     rows : (3, k) float
@@ -484,11 +495,11 @@ def add_nodes(torus, way, nodes, rows):
     `density` is rho f / c dt times the weight, `by_rho` is 1 / rho, `under` is (rho + c) D.
     """
     c, (A, B, E), (dc, dA, dB, dE) = way.c, way.shape, way.rates
-    first, last, half, width = _stretched(torus, way)
+    first, last, half, width = stretched
     twice, half_c = 2 * torus.R, c / 2
     shares, weights = nodes[0], nodes[1]
     turned, rate, length = rows[0], rows[1], rows[2]
-    for k in range(len(shares)):
+    for k in range(places):
         # v = tan(t/4) = a0 sinh(y), and dt = 4 a0 cosh(y) / (1 + v^2) dy.
         grown = 1 + growth(width * shares[k])
         shrunk = 1 / grown
@@ -589,22 +600,6 @@ def _density(torus, way, sin2):
     return c / rho * square_root(2 * torus.R / ((rho + c) * (A + B * sin2)))
 
 
-def folded(row, count):
-    """Return the sum of the first `count` values of a row, which changes.
-
-    While the number is even, the second half is added to the first. A compiler can do several of
-    these sums at once without changing their order, and so their bits.
-    """
-    while count % 2 == 0:
-        count = count // 2
-        for k in range(count):
-            row[k] += row[count + k]
-    total = row[0]
-    for k in range(1, count):
-        total = total + row[k]
-    return total
-
-
 # ---- the root ------------------------------------------------------------------
 
 
@@ -620,22 +615,32 @@ def rule(count):
 
 @cache
 def quadratures(ring, ready):
-    """Return three quadratures, each with how many of its nodes count.
+    """Return the quadratures of `integrate`: their nodes, and how many count.
 
-    They are for the working sheet, for ways that near a node or the inner equator, and the finest.
-    Loops that are `ready`, compiled, take nodes eight at a time, so that some have no weight; plain
-    Python takes lists, on which it is fastest. `ring` tells whether the torus is one.
+    Parameters
+    ----------
+    ring : bool
+        Whether the torus is one.
+    ready : bool
+        Whether loops are compiled. These take pairs of nodes eight at a time, some of no weight;
+        plain Python takes lists, on which it is fastest.
+
+    Returns
+    -------
+    nodes : (FIFTHS + 1, 2, MOST_PAIRS) float
+        Shares and weights, as of `rule`.
+    counts : (FIFTHS + 1, 2) int
+        How many pairs a loop takes, and how many of these have a weight.
     """
-    found = []
-    for count in (NODES_OF_WORKING_SHEET, NODES_OF_RING if ring else NODES, NODES):
-        shares, weights = rule(count)
-        rest = -len(shares) % 8
-        padded = np.stack([np.pad(shares, (0, rest), mode="edge"), np.pad(weights, (0, rest))])
-        found.append((padded if ready else [shares.tolist(), weights.tolist()], count // 2))
-    return tuple(found)
+    nodes = np.zeros((FIFTHS + 1, 2, MOST_PAIRS))
+    counts = []
+    for which, pairs in enumerate((*PAIRS, MOST_ON_RING if ring else MOST_PAIRS)):
+        nodes[which, :, :pairs] = rule(2 * pairs)
+        counts.append([pairs + -pairs % 8 if ready else pairs, pairs])
+    return (nodes, np.array(counts)) if ready else (nodes.tolist(), counts)
 
 
-def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
+def find_root(torus, ends, b, angle, begin, family, rules, rows):
     """Return the way of a class that turns by an angle, found by Newton's method in a bracket.
 
     Parameters
@@ -644,8 +649,8 @@ def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
         The surface.
     ends : Ends
         The ends.
-    a, b, angle : float
-        phi at the ends, and the turned angle, in rad.
+    b, angle : float
+        phi at the last end, and the turned angle, in rad.
     begin : (u, scale, low)
         The first unknown, the scale on which steps are judged, and the least unknown.
     family : int
@@ -662,15 +667,12 @@ def find_root(torus, ends, a, b, angle, begin, family, rules, rows):
     length, c, cos_a, cos_b : float
         Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
     """
-    # Here few nodes do: found by doubling them until nothing changed.
-    sheet = torus.r <= torus.R / 4 and a <= 1 and angle <= 2
-    hard = family == OUTSIDE and not sheet and peaked(torus, ends, b, angle)
-    nodes = rules[0] if sheet else rules[1]
+    hard = family == OUTSIDE and peaked(torus, ends, b, angle)
     u, scale, low = begin
     high, before = math.inf, 0.0
     way = way_of(family, torus, ends, u)
     for _ in range(ROUNDS):
-        turned, rate, length = integrate_way(torus, way, family, hard, nodes, rows)
+        turned, rate, length = integrate_way(torus, way, family, hard, rules, rows)
         miss = angle - turned
         # Along the class dlength = c dturned: so the error of u counts here by its square.
         total = length + way.c * miss
@@ -699,17 +701,17 @@ def way_of(family, torus, ends, u):
     return second(torus, ends, u, 1.0 if family == PAST else -1.0)
 
 
-def integrate_way(torus, way, family, hard, nodes, rows):
+def integrate_way(torus, way, family, hard, rules, rows):
     """Return what `integrate` does for a way of a class, in legs where one quadrature won't do.
 
     The class is `family`; `hard` says that a way of `outer` needs legs, as those of `second` always
-    do. The other arguments, torus, nodes and rows, are those of `integrate`.
+    do. The other arguments, torus, rules and rows, are those of `integrate`.
     """
     if family <= INSIDE and not hard:
-        return integrate(torus, way, nodes, rows)
+        return integrate(torus, way, rules, rows)
     turned = rate = length = 0.0
     for leg in in_legs(way) if hard else legs_of_second(way):
-        parts = integrate(torus, leg, nodes, rows)
+        parts = integrate(torus, leg, rules, rows)
         turned, rate, length = turned + parts[0], rate + parts[1], length + parts[2]
     return turned, rate, length
 

@@ -27,7 +27,9 @@ from .bounds import Count, check_ratio
 from .direct_problem import followed
 from .geodesic_root import (
     BEFORE,
+    FIFTHS,
     INSIDE,
+    MOST_PAIRS,
     OUTSIDE,
     PAST,
     PI_REST,
@@ -60,7 +62,7 @@ BLOCK = 8192  # pairs at a time, compiled: any number of pairs needs the same ro
 # with numpy's numbers, which divide by zero but are ten times as slow.
 PLAIN_BLOCK = 16
 SECONDS = 1e-4, 4e-4  # that a pair takes in plain Python, on the working sheet and on a ring
-SECONDS_OF_RIVALS = 3e-2
+SECONDS_OF_RIVALS = 8e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -500,45 +502,44 @@ def family_root(torus, pair, family, begin, rules, rows):
     The class is `family`, and `begin` tells `find_root` where to begin; the other arguments, torus,
     pair, rules and rows, are those of `near_side`.
     """
-    a, b, angle = pair.a, pair.b, pair.angle
-    ends = pair.ends
-    found = find_root(torus, ends, a, b, angle, begin, family, rules, rows)
+    ends, angle = pair.ends, pair.angle
+    found = find_root(torus, ends, pair.b, angle, begin, family, rules, rows)
     if found[0] or torus.r <= torus.R or family > INSIDE:
         kind = INNER if family == INSIDE else OUTER
         return Way(kind, *found[1:]) if found[0] else nothing()
     # A ring's way may follow the inner equator for so long that c = r - R to its last digit.
     far = WOUND * (ends.cosine_a if family == OUTSIDE else 1.0)
     far_way = way_of(family, torus, ends, far)
-    turned, _, _ = integrate_way(torus, far_way, family, False, rules[2], rows)
-    return _wound(torus, pair, family, rules[2]) if turned < angle else nothing()
+    turned, _, _ = integrate_way(torus, far_way, family, False, rules, rows)
+    return _wound(torus, pair, family, rules) if turned < angle else nothing()
 
 
-def _wound(torus, pair, family, nodes):
+def _wound(torus, pair, family, rules):
     """Return the way of a class, `family`, for which c = r - R to its last digit.
 
     For ends a given angle apart length = c angle + int R sqrt(1 - c^2 / rho^2) dphi is stationary
     in c: so this c is near enough. It follows the inner equator of a ring for a while.
     """
     c = torus.r - torus.R
-    first, cos_a = _from_inner_equator(torus, math.pi - pair.a, nodes)
+    first, cos_a = _from_inner_equator(torus, math.pi - pair.a, rules)
     end = abs(pair.b) if family == INSIDE else pair.b
-    last, cos_b = _from_inner_equator(torus, math.pi - end, nodes)
+    last, cos_b = _from_inner_equator(torus, math.pi - end, rules)
     length = c * pair.angle + torus.R * (first + last)
     # Over the inner equator phi goes on growing at b; round the outside it falls there.
     kind, sign = (INNER, 1.0) if family == INSIDE else (OUTER, -1.0)
     return Way(kind, length, c, cos_a, sign * cos_b)
 
 
-def _from_inner_equator(torus, z, nodes):
+def _from_inner_equator(torus, z, rules):
     """Return int sqrt(1 - c^2 / rho^2) dz from 0 to z, c = r - R, and the integrand at z.
 
     z counts from the inner equator of a ring, in rad.
     """
-    shares, count = nodes
+    shares, weights = rules[0][FIFTHS]
     total = 0.0
-    for k in range(count):
-        one, other = z * shares[0][k], z * (1 - shares[0][k])
-        total += shares[1][k] * (_cosine_at(torus, one) + _cosine_at(torus, other))
+    for k in range(MOST_PAIRS):
+        one, other = z * shares[k], z * (1 - shares[k])
+        total += weights[k] * (_cosine_at(torus, one) + _cosine_at(torus, other))
     return z * total, _cosine_at(torus, z)
 
 
@@ -571,10 +572,10 @@ def second_arrivals(torus, pair, least, rules, rows):
     return before, past
 
 
-def least_second(torus, pair, nodes, rows):
+def least_second(torus, pair, rules, rows):
     """Return the unknown of `second` with which the turned angle is least, and that angle.
 
-    The arguments are a torus, a pair of ends, and nodes and rows as of `integrate`.
+    The arguments are a torus, a pair of ends, and rules and rows as of `integrate`.
     """
     if not pair.on_sheet:
         return math.nan, math.nan
@@ -585,13 +586,13 @@ def least_second(torus, pair, nodes, rows):
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         way = way_of(PAST, torus, ends, middle)
-        _, rate, _ = integrate_way(torus, way, PAST, False, nodes, rows)
+        _, rate, _ = integrate_way(torus, way, PAST, False, rules, rows)
         if rate < 0:
             low = middle
         else:
             high = middle
     way = way_of(PAST, torus, ends, high)
-    return high, integrate_way(torus, way, PAST, False, nodes, rows)[0]
+    return high, integrate_way(torus, way, PAST, False, rules, rows)[0]
 
 
 # ---- loops over pairs ----------------------------------------------------------
@@ -631,7 +632,7 @@ def find_rivals(torus, ends, rules, rows, answers):
     for i in range(len(ends)):
         pair = normal_form(torus, ends[i][0], ends[i][1], ends[i][2])
         a, b, angle, mirror, side, swap, on_sheet, there = pair
-        least = least_second(torus, pair, rules[2], rows)
+        least = least_second(torus, pair, rules, rows)
         row = 0
         for one in (pair, EndPair(a, b, 2 * math.pi - angle, mirror, -side, swap, on_sheet, there)):
             before, past = second_arrivals(torus, one, least, rules, rows)
@@ -683,19 +684,19 @@ def _answers(work, kind, classes, seconds, torus, p, q):
     answers = np.empty((6 * classes, len(ends)))
 
     def fill(block):
-        some = np.empty((6 * classes, len(ends[block])))
+        given = ends[block]
         if ready:
-            room = np.empty((3, rules[2][1]))
-            parts = {**NUMBERS, "ratio": divided}
-            compiled.call(work, size, ends[block], rules, room, some, **parts)
+            room, some = np.empty((3, MOST_PAIRS)), np.empty((6 * classes, len(given)))
+            compiled.call(work, size, given, rules, room, some, **NUMBERS | {"ratio": divided})
         else:
-            room = [[0.0] * (rules[2][1]) for _ in range(3)]
+            room = [[0.0] * MOST_PAIRS for _ in range(3)]
+            some = [[0.0] * len(given) for _ in range(6 * classes)]
             try:
-                compiled.call_plain(work, size, ends[block], rules, room, some, **PLAIN)
+                compiled.call_plain(work, size, given.tolist(), rules, room, some, **PLAIN)
             except (ZeroDivisionError, ValueError):
                 # A product of numbers below 1e-150 became zero and is divided by, or rounding left
                 # less than zero under a root. Numpy's numbers go on with infinity or NaN.
-                careful = Radii(*map(np.float64, size)), list(map(list, ends[block]))
+                careful = Radii(*map(np.float64, size)), list(map(list, given))
                 with np.errstate(all="ignore"):
                     compiled.call_plain(work, *careful, rules, room, some, **IEEE)
         answers[:, block] = some
