@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from tests.draws import log_uniform
-from tunneller_lib.paths import geodesic_root
+from tunneller_lib.paths import direct_problem, geodesic_root
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
 TORI = (
@@ -64,6 +64,21 @@ def ways_of(family, torus, a, b, unknowns, nodes=200):
         whole = geodesic_root.integrate_way(torus, way, family, False, rules, room)
         found.append([way.c, *whole])
     return np.array(found).T
+
+
+def half_swing(torus, c):
+    """Return by how much geodesics turn from one crossing of the outer equator to the next, in rad.
+
+    Clairaut's constant c (n,), in m, is above r - R, and at most r + R.
+    """
+    rules, edges, series = direct_problem.rules(ready=False), np.empty((3, 99)), [None, None]
+    r, turned = torus.r / torus.R, []
+    for sine in np.atleast_1d(c) / (torus.r + torus.R):
+        cosine = math.sqrt((1 - sine) * (1 + sine))
+        orbit, start = direct_problem.orbit_of(r, 0.0, (0.0, 1.0, r + 1), float(sine), cosine)
+        panels = direct_problem.prepare(orbit, rules, edges, None, series)
+        turned.append(direct_problem.begun_at(orbit, start, panels, rules[0], edges, series)[-1])
+    return np.array(turned)
 
 
 def eq2(r, R, x, y, z):

@@ -370,7 +370,9 @@ def test_few_nodes_are_as_good_as_many_on_ways_of_any_width(ratio):
         a = share * np.arccos(max(-ratio, -1))
         straight = -(1 - 1e-7) * geodesic_root.ends_at(torus, a, -a).meridian
         unknowns = straight, straight / 2
-        few, many_ = (ways_of(geodesic_root.OUTSIDE, torus, a, -a, unknowns, n) for n in (None, 200))
+        few, many_ = (
+            ways_of(geodesic_root.OUTSIDE, torus, a, -a, unknowns, n) for n in (None, 200)
+        )
         rounding = 1e-14 if share < 0.5 else 3e-13  # grows with the width, to 1e-13
         np.testing.assert_allclose(few[[1, 3]], many_[[1, 3]], rtol=rounding)
         np.testing.assert_allclose(few[2], many_[2], rtol=1e-6, atol=1e-12)  # the rate only steers

@@ -8,9 +8,8 @@ import pytest
 from scipy.integrate import tanhsinh
 
 from tests.audit.long import many
-from tests.shapes import ways_of
+from tests.shapes import half_swing, ways_of
 from tunneller_lib.paths import geodesic_inverse
-from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.paths.geodesic_root import INSIDE, OUTSIDE, PAST, STEEPEST
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -49,17 +48,17 @@ def test_half_swing_is_the_proofs_integral(torus, share):
         return np.sqrt(1 + 2 * r / (rho + R - r))
 
     turned = 2 * R / (R + r) * tanhsinh(density, 0, np.pi / 2, rtol=1e-14).integral
-    assert half_swing(torus, c)[0] == pytest.approx(turned, rel=1e-13)
+    assert half_swing(torus, c) == pytest.approx(turned, rel=1e-13)
 
 
 @every_torus
 def test_half_swing_turns_less_with_a_greater_constant(torus):
-    turned = half_swing(torus, constants(torus, many(500, 2000)))[0]
+    turned = half_swing(torus, constants(torus, many(500, 2000)))
     assert np.all(np.diff(turned) < 0)
     # The least is that of the outer equator, up to its conjugate point.
     assert turned[-1] == pytest.approx(np.pi / np.sqrt(1 + torus.r / torus.R), rel=1e-14)
     # And the greatest is beyond half a turn, so that every end is reached.
-    node = half_swing(torus, max(torus.r - torus.R, 0) + 1e-12 * torus.R)[0]
+    node = half_swing(torus, max(torus.r - torus.R, 0) + 1e-12 * torus.R)
     if torus.r < torus.R:
         assert node == pytest.approx(np.pi / np.sqrt(1 - (torus.r / torus.R) ** 2), rel=1e-10)
     assert node > np.pi

@@ -145,9 +145,9 @@ def _check(values, rules):
         rule = rules.get(name)
         if rule is None:
             continue
-        values[name] = rule.check(name, value)
-        if rule.own_axes is not None and values[name] is not None:
-            shape = np.shape(values[name])
+        values[name] = sound = rule.check(name, value)
+        if rule.own_axes is not None and sound is not None:
+            shape = getattr(sound, "shape", ())  # of one number there is none
             leading[name] = shape[: len(shape) - rule.own_axes]
     if len(set(leading.values())) > 1:
         try:

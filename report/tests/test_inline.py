@@ -17,6 +17,7 @@ from scipy.optimize import bisect, brentq
 from report.tests.prose import sources
 from report.tests.typeset_check import Check
 from report.tests.typeset_worlds import WORLDS, numbered, signed, some_torus
+from tests.shapes import half_swing
 from tests.symbols_envelopes import example
 from tunneller_lib.envelopes.isotropic import normal as plane_normal
 from tunneller_lib.envelopes.isotropic import surface_points
@@ -24,7 +25,6 @@ from tunneller_lib.envelopes.pseudo import double_root
 from tunneller_lib.motion import Integrator, Loop, Resonance
 from tunneller_lib.motion.stability import continuous_limit, eigenvalue_limit, is_stable
 from tunneller_lib.paths import ConeChord, geodesic_direct
-from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.ream.wall import scallop_height
 from tunneller_lib.removal.volume import bowl, ring
 from tunneller_lib.surfaces import Egg, Rod
@@ -197,7 +197,7 @@ def half_swing_along_the_outer_equator(rng):
 
     def T(c):  # just below the limit, at which nothing swings any more
         within = 0 < c <= torus.r + torus.R
-        return float(half_swing(torus, (1 - 1e-10) * c)[0]) if within else np.nan
+        return half_swing(torus, (1 - 1e-10) * c)[0] if within else np.nan
 
     return {"r": torus.r, "R": torus.R, "tolerance": 1e-6, "T": T}
 

@@ -27,6 +27,7 @@ from numpy.polynomial import Polynomial
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
+from tests.shapes import half_swing
 from tests.symbols_envelopes import EQ11, EQ12, EQ25, at, example
 from tunneller_lib.envelopes import jet_variables
 from tunneller_lib.envelopes.isotropic import (
@@ -39,7 +40,6 @@ from tunneller_lib.envelopes.pseudo import double_root, pseudo_envelope
 from tunneller_lib.motion import Resonance, reference_axes, time_bresenham
 from tunneller_lib.motion.stability import ripple
 from tunneller_lib.paths import ChordLaw, ConeChord, cutting_circuit
-from tunneller_lib.paths.direct_problem import half_swing
 from tunneller_lib.ream.wall import pass_distance
 from tunneller_lib.removal.volume import bowl, groove_area, half_lens, removed_volume, ring
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Cone, Egg, Rod, Torus
@@ -250,7 +250,7 @@ def swinging(rng):
         return 1 / np.hypot(np.cos(x) / c, np.sin(x) / wide) if 0 <= x <= np.pi / 2 else np.nan
 
     return {"r": torus.r, "R": torus.R, "c": c, "x": rng.uniform(1.45, 1.55), "rho": rho,
-            "T": float(half_swing(torus, c)[0])}  # fmt: skip
+            "T": half_swing(torus, c)[0]}  # fmt: skip
 
 
 @worlds("chord-law")

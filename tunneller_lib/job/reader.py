@@ -236,7 +236,8 @@ class Job:
         """Return the `Plan`; raise ValueError with the reason if the job can't be planned."""
         machine, _ = self.made, self.error  # a wrong pose is refused as early
         with said_of("section"):
-            section = _shape(self.section)
+            sizes = dict(self.section)
+            section = SHAPES[sizes.pop("shape")][0](**sizes)
         circuit = _circuit(machine, section, self.stance)
         _check_tolerance(machine, self.plan)
         if "power" in self.limits and not self.ground:
@@ -378,13 +379,6 @@ def _read_section(given):
         with said_of(where):
             pieces.append(make(**sizes))
     return {"shape": shape, "pieces": tuple(pieces), **rest}
-
-
-def _shape(section):
-    """Return the Section that a table says."""
-    sizes = dict(section)
-    make, _ = SHAPES[sizes.pop("shape")]
-    return make(**sizes)
 
 
 def _circuit(machine, section, stance):

@@ -164,10 +164,12 @@ def _never_kept(copy):
 
 def call_plain(function, *arguments, **parts):
     """Return what `call` does, but always in plain Python, on lists."""
-    # Python reads and writes lists several times as fast as arrays.
-    lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
     if parts:
         function = _replaced(function, *parts.items())
+    if not any([isinstance(one, np.ndarray) for one in arguments]):
+        return function(*arguments)
+    # Python reads and writes lists several times as fast as arrays.
+    lists = [one.tolist() if isinstance(one, np.ndarray) else one for one in arguments]
     answer = function(*lists)
     for array, rows in zip(arguments, lists, strict=True):
         if isinstance(array, np.ndarray) and array.size:

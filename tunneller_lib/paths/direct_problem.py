@@ -4,11 +4,13 @@ Azimuths count from growing phi towards growing theta. Along a geodesic Clairaut
 c = rho sin(azimuth), rho = r + R cos(phi), is constant, and with it arc length s and turned angle
 are integrals over one variable t (`geodesic_root`). The integrands depend on sin^2(t) alone, so
 that they repeat after pi: half a swing between turning points, or one round of a ring's tube. And
-they repeat backwards from pi/2. So both integrals are wanted from t = 0 to pi/2 only.
+they repeat backwards from pi/2.
 
-Their peak at t = 0 is spread by t = width sinh(y). This range of y is divided into panels of equal
-width, and on each panel both integrals are Chebyshev series in x, from -1 to 1. The arc length is
-solved for the place, the place tells the rest: a geodesic of any length costs the same time.
+So each integral is a mean growth and a series of sines of even multiples of t. The arc length is
+solved for the place, the place tells the rest: a geodesic of any length costs the same time. Few
+terms do where the integrands' peak at t = 0 is wide; tan(t) = k tan(x) makes it wider, and the
+series are in x. Where it is narrow, t = width sinh(y) spreads it, and the range from t = 0 to pi/2
+is divided into panels of equal width in y, over which the integrals are taken by quadratures.
 
 Below `followed` lengths are in tube radii, rho = r + cos(phi).
 
@@ -22,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arguments import Angles, Array, Lengths, Positions, checked
+from ..arguments import Angles, Array, Lengths, Positions, checked, none_outside
 from ..kernels import compiled
 from ..kernels.compiled import loop
 from ..kernels.elementwise import (
@@ -40,23 +42,23 @@ from ..kernels.repeatable import WHOLE, arctangent, area_sine, growth, reduced, 
 from ..surfaces import Torus
 from ..surfaces.torus import torus_normal, torus_point, torus_tangents
 from .bounds import Count, check_points, check_ratio
-from .geodesic_root import PI_REST, Radii, distance
+from .geodesic_root import Radii, distance, rule
 
 ALONG_MERIDIAN = 4e-16  # the sine of an azimuth that is 0 or pi to its last digit
 STEEP = 0.1  # a sine below which Clairaut's constant has more digits of it than the azimuth
-TERMS = 24  # of the series of a panel
-PANEL = 1.2  # greatest width of a panel: the integrands' singular points are pi/2 off the real line
-STEP = 1e-8  # of x: Newton's last step leaves an error of the order of its square
+# Terms of the series of sines, and from which tanh(h) on, see `orbit_of`, so many do: what the
+# first term left out adds is about 1e-16, exp(-2 terms artanh(k)).
+TERMS = 8, 10, 12, 14, 16, 20, 24, 32, 48, 64
+SINES = tuple((terms, round(math.tanh(17.4 / terms) ** 2, 3)) for terms in TERMS)
+PANEL, PAIRS = 1.2, 12  # greatest width of a panel, and pairs of nodes of its quadrature
+MOST_PANELS = 60  # by the narrowest peak, where y goes up to 70
+STEP = 1e-8  # Newton's last step leaves an error of the order of its square
 NARROWEST = 1e-30  # width of a peak: below it c is r - R to its last digit
-WIDEST = 3.0  # the same: a wider peak needs no spreading
-MOST_PANELS = 60  # for the narrowest peak, where y goes up to 70
-
-ROUNDS = 30  # Newton's method takes about four
+ROUNDS = 30  # Newton's method takes three
 BLOCK = 8192  # points at a time: any number of points needs the same room
-EACH, POINT = 7e-5, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
+EACH, POINT = 5e-5, 1.5e-5  # s in plain Python for a geodesic, and for each of its points
 KIND = "points of geodesics"  # of work, for `compiled`
 LATE = 0.9  # of the angle from t = 0 to pi/2: a start beyond counts by what is left of it
-ROOM = (2, TERMS), (3, MOST_PANELS + 1), (2, MOST_PANELS, TERMS + 1)
 
 
 Ways = Array("(..., m, 2) float", "rad", last="theta, phi")
@@ -86,19 +88,16 @@ class GeodesicPoints:
     @property
     def point(self):
         """Return the points (..., n, 3), in m."""
-        return torus_point(self.torus, *self._angles)  # unchecked, for angles may be NaN
+        # Unchecked, for angles may be NaN.
+        return torus_point(self.torus, *np.moveaxis(self.position, -1, 0))
 
     @property
     def tangent(self):
         """Return the unit tangents (..., n, 3)."""
-        meridian, parallel = torus_tangents(*self._angles)
+        meridian, parallel = torus_tangents(*np.moveaxis(self.position, -1, 0))
         cos = np.cos(self.azimuth)[..., None]
         sin = np.sin(self.azimuth)[..., None]
         return cos * meridian + sin * parallel
-
-    @property
-    def _angles(self):
-        return self.position[..., 0], self.position[..., 1]
 
     @checked
     def deviation(self, position: Ways):
@@ -136,7 +135,7 @@ class GeodesicPoints:
         nearness = point @ np.swapaxes(on_way, -1, -2)
         nearness -= dot(on_way, on_way)[..., None, :] / 2
         near = np.argmax(nearness, axis=-1)[..., None]
-        normal = torus_normal(*self._angles)
+        normal = torus_normal(*np.moveaxis(self.position, -1, 0))
         across = np.cross(normal, self.tangent)
         on_way = np.broadcast_to(on_way, (*leading, *on_way.shape[-2:]))
         across = np.broadcast_to(across, on_way.shape)
@@ -203,13 +202,15 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
         rho times the sine of the azimuth, in m. Near a meridian it has digits that the azimuth
         lacks: they tell whether the way goes through a node or turns before it.
     """
-    theta, phi, azimuth, length = np.broadcast_arrays(p[..., 0], p[..., 1], azimuth, length)
+    shape = np.broadcast(p[..., 0], azimuth, length).shape
     check_ratio(torus)
-    check_points(n, theta.shape)
-    s = length[..., None] * _shares(n)
-    given = np.empty((6, theta.size))
-    given[0], given[1], given[2] = theta.ravel(), phi.ravel(), azimuth.ravel()
-    given[3:5] = reduced(given[1:3])
+    check_points(n, shape)
+    s, given = np.empty((*shape, n)), np.empty((6, *shape))
+    s[...] = length[..., None] * _shares(n)
+    given[0], given[1], given[2] = p[..., 0], p[..., 1], azimuth
+    given = given.reshape(6, -1)
+    near = none_outside(given[1:3], -math.pi, math.pi)
+    given[3:5] = given[1:3] if near else reduced(given[1:3])
     given[5] = math.nan if clairaut is None else np.ravel(clairaut) / torus.R
     position, azimuth = trace(torus, given, s.reshape(-1, n))
     return GeodesicPoints(torus, s, position.reshape(*s.shape, 2), azimuth.reshape(s.shape))
@@ -218,59 +219,7 @@ def followed(torus, p, azimuth, length, n, clairaut=None):
 @lru_cache(4)
 def _shares(n):
     """Return n equally spaced shares of a way, from 0 to 1, which may not be written to."""
-    shares = np.linspace(0, 1, n)
-    shares.flags.writeable = False
-    return shares
-
-
-@checked
-def half_swing(torus: Torus, clairaut: Lengths):
-    """Return the turned angle and the length of geodesics from one turning point to the next.
-
-    Parameters
-    ----------
-    torus : Torus
-        The surface, r / R from 1e-100 to 1e100.
-    clairaut : (...) float
-        rho at the turning points, in m, above zero and above r - R, and at most r + R.
-
-    Returns
-    -------
-    turned, length : (...) float
-        In rad and m.
-
-    Raises
-    ------
-    ValueError
-        If such a geodesic doesn't swing, or r / R is out of proportion.
-
-    Notes
-    -----
-    The turned angle, which the report calls T(c), falls as c grows, from infinity, or from
-    pi / sqrt(1 - (r / R)^2) on a spindle, to pi / sqrt(1 + r / R) on the outer equator.
-
-    Examples
-    --------
-    >>> turned, length = half_swing(Torus(3, 1), 4)
-    >>> round(float(turned / np.pi), 12), round(float(length / np.pi), 12)
-    (0.5, 2.0)
-    >>> half_swing(Torus(3, 1), 2)  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    ValueError: clairaut: must be above 2 m and at most r + R = 4 m, or nothing swings; ...
-    """
-    check_ratio(torus)
-    narrow = max(torus.r - torus.R, 0)
-    wide = torus.r + torus.R
-    if np.any((clairaut <= narrow) | (clairaut > wide)):
-        raise ValueError(
-            f"clairaut: must be above {narrow:g} m and at most r + R = {wide:g} m, or nothing "
-            f"swings; got {clairaut.min():g} to {clairaut.max():g} m."
-        )
-    halves = np.empty((2, clairaut.size))
-    sines = (clairaut.ravel() / wide).tolist()
-    compiled.call_plain(_swing_each, torus.r / torus.R, sines, *_plain_room(), *halves, **PLAIN)
-    turned, length = halves.reshape(2, *clairaut.shape)
-    return turned, torus.R * length
+    return np.linspace(0, 1, n)
 
 
 # ---- orbits ------------------------------------------------------------------
@@ -280,63 +229,19 @@ class Orbit(NamedTuple):
     """The constants of a geodesic: rho = c + 2 (E + B sin^2(t)), and D = A + B sin^2(t).
 
     Lengths are in tube radii: the constants are those of `geodesic_root` for R = 1. The integrands
-    have a peak at t = 0, about `width` wide in t. `free` tells whether the geodesic goes round the
-    tube; if it swings instead, D is cos^2(phi/2). `panels` is the number of panels, a float, and
-    `step` their width in y.
+    are singular where sin(t) is i times `width`, which is how wide their peak at t = 0 is;
+    `stretch` and `level` follow from it. `free` tells whether the geodesic goes round the tube; if
+    it swings instead, D is cos^2(phi/2).
     """
 
-    c: np.ndarray
-    A: np.ndarray
-    B: np.ndarray
-    E: np.ndarray
-    width: np.ndarray
-    free: np.ndarray
-    panels: np.ndarray
-    step: np.ndarray
-
-
-class Start(NamedTuple):
-    """Where a geodesic begins on its orbit.
-
-    Parameters
-    ----------
-    phi : (...) float
-        From -pi to pi, in rad.
-    rising : (...) float
-        1 where phi grows at first, else -1.
-    t : (...) float
-        From -pi/2 to pi/2, once `begun` times pi is taken off.
-    begun : (...) float
-        A whole number.
-    """
-
-    phi: np.ndarray
-    rising: np.ndarray
-    t: np.ndarray
-    begun: np.ndarray
-
-
-@cache
-def panel_rule():
-    """Return nodes as shares of a panel (TERMS,), and a matrix (TERMS, TERMS + 1) for integrals.
-
-    It takes an integrand's values at the nodes to the Chebyshev series of the integral from the
-    panel's begin.
-    """
-    # A value at cos(a), a = (k + 1/2) pi / TERMS, adds 2 cos(j a) / TERMS to term j. The integral
-    # of the polynomial T_j is T_(j+1) / (2j + 2) - T_(j-1) / (2j - 2): so to term j of the integral
-    # the value adds a difference of cosines, 2 sin(j a) sin(a) / (j TERMS).
-    k = np.arange(TERMS)[:, None]
-    j = np.arange(1, TERMS + 1)
-    turns = (j * (2 * k + 1) + 2 * TERMS) % (4 * TERMS) - 2 * TERMS
-    angles = turns * (math.pi / (2 * TERMS))
-    pairs = [[sine_cosine(angle) for angle in row] for row in angles.tolist()]
-    sines, cosines = np.moveaxis(np.array(pairs), -1, 0)
-    series = 2 / TERMS * sines * sines[:, :1] / j
-    # Nothing is taken off the last term; what the product above takes off doubles it at the nodes.
-    series[:, -1] /= 2
-    begin = np.sum(np.where(j % 2, series, -series), axis=1, keepdims=True)
-    return (1 + cosines[:, 0]) / 2, np.concatenate([begin, series], axis=1)
+    c: float
+    A: float
+    B: float
+    E: float
+    width: float
+    stretch: float
+    level: int
+    free: bool
 
 
 def headed(r, phi, azimuth, c):
@@ -372,10 +277,24 @@ def headed(r, phi, azimuth, c):
 
 
 def orbit_of(r, phi, placed, sine, cosine):
-    """Return the `Orbit` of a geodesic, and its `Start`.
+    """Return the `Orbit` of a geodesic, and where it starts on this.
 
-    It begins at phi, from -pi to pi, in rad, where r + cos(phi) is above zero and the rest is
-    `placed` as by `headed`, by an azimuth of this sine, above zero, and cosine.
+    Parameters
+    ----------
+    r, phi : float
+        r / R of the torus, and the start's phi, from -pi to pi, in rad.
+    placed : tuple
+        As by `headed`: the start is on the working sheet.
+    sine, cosine : float
+        Of the azimuth there, the sine above zero.
+
+    Returns
+    -------
+    orbit : Orbit
+        Its constants.
+    start : (rising, across, along, begun)
+        1 if phi grows at first, else -1; what is in proportion to the sine and to the cosine of t,
+        which is from -pi/2 to pi/2 once `begun` times pi, a whole number, is taken off.
     """
     half_sine, half_cosine, rho = placed
     c = rho * sine
@@ -390,26 +309,27 @@ def orbit_of(r, phi, placed, sine, cosine):
     B = 1.0 if free else k2
     E = A if free else 0.0
     # The integrands are singular where D or rho is zero: there sin(t) is i times this width.
-    width = within(square_root(ratio(smaller(A, E + c / 2), B)), NARROWEST, WIDEST)
-    reach = area_sine(math.pi / 2 / width)
-    panels = whole_part(reach / PANEL + 0.5)
-    orbit = Orbit(c, A, B, E, width, free, panels, reach / panels)
+    width = larger(square_root(ratio(smaller(A, E + c / 2), B)), NARROWEST)
+    # In x, with tan(t) = k tan(x), both integrands are as even as can be if the peak's singular
+    # points, tan(t) = i tanh(h), sinh(h) = `width`, lie as far off the real line as those that come
+    # with x, tan(x) = i / k. So k^2 is tanh(h), and both are artanh(k) off it.
+    stretch = square_root(1 / square_root(1 + 1 / (width * width)))
+    orbit = Orbit(c, A, B, E, width, stretch, level_of(stretch), free)
     upward = -1.0 if cosine < 0 else 1.0
     if free:
         # Round the tube phi falls as pi - 2t, or grows as 2t - pi, until t = pi/2 at the outer
         # equator. A start `beyond` that, at t > pi/2, has t - pi instead, counted back from the
         # next t = 0: near the inner equator t is small and mustn't be a difference near pi/2.
         beyond = -1.0 if -upward * phi < 0 else 1.0
-        t = beyond * (((math.pi - abs(phi)) + PI_REST) / 2)
-        return orbit, Start(phi, upward, t, (1 - beyond) / 2)
+        return orbit, (upward, beyond * half_cosine, abs(half_sine), (1 - beyond) / 2)
     # Between turning points sin(phi/2) = k cos(t), and the slope is -k sin(t), above zero while phi
     # grows. For phi < 0 t is counted from the lower turning point: from -pi if that is behind the
     # start, from pi if it is ahead. So counted, t makes both formulas change their signs.
     begun = 0.0
     if half_sine < 0:
         begun = -1.0 if slope > 0 else 1.0
-    t = arctangent(slope if half_sine < 0 else -slope, abs(half_sine))
-    return orbit, Start(phi, upward, t, begun)
+    across = slope if half_sine < 0 else -slope
+    return orbit, (upward, across, abs(half_sine), begun)
 
 
 def whole_part(x):
@@ -417,64 +337,26 @@ def whole_part(x):
     return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x  # from 2^52 on all floats are whole
 
 
-def rates(orbit, y):
-    """Return the derivatives of arc length and turned angle by x, at y of a panel."""
-    c, A, B, E, width, _, _, step = orbit
-    grown = growth(y)
-    shrunk = grown / (1 + grown)
-    sine, _ = sine_cosine(width * ((grown + shrunk) / 2))
-    dt = width * (1 + (grown - shrunk) / 2) * (step / 2)
-    sin2 = sine * sine
-    rho = c + 2 * (E + B * sin2)
-    density = square_root(2 / ((rho + c) * (A + B * sin2))) * dt
-    return rho * density, c / rho * density
+def rates(orbit, sin2, dt):
+    """Return by how much arc length and turned angle grow where t grows by `dt`."""
+    rho = orbit.c + 2 * (orbit.E + orbit.B * sin2)
+    density = square_root(2 / ((rho + orbit.c) * (orbit.A + orbit.B * sin2))) * dt
+    return rho * density, orbit.c / rho * density
 
 
-def series_sum(x, terms):
-    """Return the sum of Chebyshev's polynomials of x, from -1 to 1, times `terms`."""
-    twice = 2 * x
-    b = before = 0.0
-    for k in range(TERMS, 0, -1):
-        b, before = (terms[k] - before) + twice * b, b
-    return (terms[0] - before) + x * b
+def point_at(orbit, rising, swings, t, sine, cosine):
+    """Return phi and the azimuth, in rad, of a point on an `orbit` along which phi is `rising`.
 
-
-def solved(wanted, whole, terms):
-    """Return the x, from -1 to 1, at which the sum of a series is `wanted`; at 1 it is `whole`."""
-    x = 2 * wanted / whole - 1
-    for _ in range(ROUNDS):
-        # Clenshaw's recurrence gives the sum and its derivative for Newton's step. On a panel the
-        # derivative changes so little that the step needs no bracket but the panel.
-        twice = 2 * x
-        b = before = db = dbefore = 0.0
-        for k in range(TERMS, 0, -1):
-            db, dbefore = (2 * b - dbefore) + twice * db, db
-            b, before = (terms[k] - before) + twice * b, b
-        missing = wanted - ((terms[0] - before) + x * b)
-        moved = within(x + missing / ((b - dbefore) + x * db), -1.0, 1.0)
-        onward = abs(moved - x) > STEP
-        x = moved
-        if not onward:
-            break
-    return x
-
-
-def point_at(orbit, start, swings, y, sign):
-    """Return phi and the azimuth, in rad, of a point on an `orbit` with this `start`.
-
-    `swings`, a whole number, counts half swings from t = 0; from there the point is at y, before
-    (-1) or behind (1) as `sign` tells.
+    `swings`, a whole number, counts half swings from t = 0; from there the point is at `t`, whose
+    sine and cosine are given. Only free orbits need t itself.
     """
-    grown = growth(y)
-    t = sign * orbit.width * ((grown + grown / (1 + grown)) / 2)
-    sine, cosine = sine_cosine(t)
     sin2 = sine * sine
     rho = orbit.c + 2 * (orbit.E + orbit.B * sin2)
     # The cosine is sqrt(rho^2 - c^2) / rho. rho - c is 2 (E + B sin^2(t)), no difference.
     slope = square_root(2 * (rho + orbit.c)) / rho
     if orbit.free:
-        phi = start.phi + 2 * start.rising * (t - start.t + math.pi * (swings - start.begun))
-        onward = start.rising * square_root(orbit.E + sin2)
+        phi = rising * (2 * t + math.pi * (2 * swings - 1))
+        onward = rising * square_root(orbit.E + sin2)
     else:
         # Half a swing on, phi and the cosine of the azimuth are mirrored.
         across = (1 - 2 * (swings % 2.0)) * square_root(orbit.B)
@@ -483,137 +365,263 @@ def point_at(orbit, start, swings, y, sign):
     return phi, arctangent(orbit.c / rho, slope * onward)
 
 
-def begun_at(orbit, start, count, edges, series):
-    """Return the length and the angle of a geodesic from t = 0 to its start, for `point_on`.
+# ---- series of sines, for wide peaks -----------------------------------------
 
-    Parameters
-    ----------
-    orbit, start : Orbit, Start
-        As by `orbit_of`.
-    count, edges, series
-        As filled in by `tabulate`.
+
+@cache
+def sine_rule(terms):
+    """Return sin^2 of nodes (terms,), and a matrix (terms, terms) that makes integrals of values.
+
+    It takes an integrand's values at nodes between 0 and pi/2 to the mean growth of its integral,
+    and to the factors of sin(2 x), sin(4 x), .. that are added to it.
+    """
+    # The value at x = (k + 1/2) pi / (2 terms) adds 2 cos(2 j x) / terms to the factor of
+    # cos(2 j x), half as much for j = 0; the integral of that cosine is sin(2 j x) / 2j.
+    k = np.arange(terms)[:, None]
+    j = np.arange(1, terms)
+    turns = (j * (2 * k + 1) + 2 * terms) % (4 * terms) - 2 * terms
+    cosines = [[sine_cosine(turn * (math.pi / (2 * terms)))[1] for turn in row] for row in turns]
+    squares = [sine_cosine(turn * (math.pi / (4 * terms)))[0] ** 2 for turn in (2 * k + 1)[:, 0]]
+    factors = np.array(cosines) / (j * terms)
+    return np.array(squares), np.concatenate([np.full((terms, 1), 1 / terms), factors], axis=1)
+
+
+def level_of(stretch):
+    """Return which of `SINES` the series of an orbit needs, or -1 where none will do."""
+    for level in range(len(SINES)):
+        if stretch * stretch >= SINES[level][1]:
+            return level
+    return -1
+
+
+def rates_in_x(orbit, square):
+    """Return the derivatives of arc length and turned angle by x, where sin^2(x) is `square`."""
+    k = orbit.stretch
+    slope = k / (1 - (1 - k * k) * square)  # dt / dx
+    return rates(orbit, k * square * slope, slope)
+
+
+def _add_sines(orbit, rules, values, series):
+    """Fill in the series of both integrals.
+
+    The terms of a series are sums over the nodes. Numpy adds along an axis that isn't the last one
+    node after the other, as the loops of `_in_loops` do; so the bits are the same.
+    """
+    squares, matrix = sine_rule(TERMS[orbit.level])
+    found = np.array([rates_in_x(orbit, square) for square in squares.tolist()])
+    series[0], series[1] = np.add.reduce(matrix[:, None] * found[..., None], axis=0).tolist()
+
+
+def _in_loops(orbit, rules, values, series):
+    """Do what `_add_sines` does, by loops that are to be compiled; `values` is their room."""
+    terms = TERMS[orbit.level]
+    squares, matrix = rules[1][orbit.level], rules[2][orbit.level]
+    for k in range(terms):
+        values[0][k], values[1][k] = rates_in_x(orbit, squares[k])
+    for one in range(2):
+        for j in range(terms):
+            series[one][j] = matrix[0][j] * values[one][0]
+        for k in range(1, terms):
+            for j in range(terms):
+                series[one][j] += matrix[k][j] * values[one][k]
+
+
+def series_sum(x, sine, cosine, terms, factors):
+    """Return a series at x: mean growth times x, and `factors` times sines of even multiples.
+
+    The sine and the cosine are those of 2x.
+    """
+    twice = 2 * cosine
+    b = before = 0.0
+    for j in range(terms - 1, 0, -1):
+        b, before = (factors[j] - before) + twice * b, b
+    return factors[0] * x + sine * b
+
+
+def place_in_sines(orbit, size, terms, series):
+    """Return x, from 0 to pi/2, its sine and cosine, where the arc length from t = 0 is `size`."""
+    mean, first, second = series[0][0], series[0][1], series[0][2]
+    # The first guess is a step of Newton's method with two terms of the series.
+    x = size / mean
+    sine, cosine = sine_cosine(2 * x)
+    slope = mean + 2 * first * cosine + 4 * second * (1 - 2 * sine * sine)
+    x = x - (first + 2 * second * cosine) * sine / slope
+    for _ in range(ROUNDS):
+        sine, cosine = sine_cosine(x)
+        square = sine * sine
+        found = series_sum(x, 2 * sine * cosine, 1 - 2 * square, terms, series[0])
+        slope, _ = rates_in_x(orbit, square)
+        moved = within(x + (size - found) / slope, 0.0, math.pi / 2)
+        onward = abs(moved - x) > STEP
+        x = moved
+        if not onward:
+            break
+    return x, *sine_cosine(x)
+
+
+# ---- quadratures, for narrow peaks ---------------------------------------------
+
+
+def rates_in_y(orbit, y):
+    """Return the derivatives of arc length and turned angle by y, where t = width sinh(y)."""
+    grown = growth(y)
+    shrunk = grown / (1 + grown)
+    sine, _ = sine_cosine(orbit.width * ((grown + shrunk) / 2))
+    return rates(orbit, sine * sine, orbit.width * (1 + (grown - shrunk) / 2))
+
+
+def gains(orbit, low, high, nodes):
+    """Return by how much arc length and turned angle grow from y = low to high, on one panel."""
+    length = turned = 0.0
+    for k in range(PAIRS):
+        for share in nodes[0][k], 1 - nodes[0][k]:
+            of_length, of_angle = rates_in_y(orbit, low + share * (high - low))
+            length = length + nodes[1][k] * of_length
+            turned = turned + nodes[1][k] * of_angle
+    return (high - low) * length, (high - low) * turned
+
+
+def tabulate(orbit, nodes, edges):
+    """Return the number of an orbit's panels, as a float, and their width in y.
+
+    `edges` is filled with arc lengths and turned angles from t = 0 to where panels begin and end,
+    and with what is left of that angle from there to t = pi/2.
+    """
+    reach = area_sine(math.pi / 2 / orbit.width)
+    count = whole_part(reach / PANEL + 0.5)
+    last, step = int(count), reach / count
+    edges[0][0] = edges[1][0] = edges[2][last] = 0.0
+    for panel in range(last):
+        length, turned = gains(orbit, step * panel, step * (panel + 1), nodes)
+        edges[0][panel + 1] = edges[0][panel] + length
+        edges[1][panel + 1] = edges[1][panel] + turned
+        edges[2][panel] = turned
+    for panel in range(last - 1, -1, -1):
+        edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
+    return count, step
+
+
+def place_on_panels(orbit, size, count, step, nodes, edges):
+    """Return y where the arc length from t = 0 is `size`, its panel, and the angle on this."""
+    panel = 0
+    while panel < count - 1 and edges[0][panel + 1] <= size:
+        panel += 1
+    low, high = step * panel, step * (panel + 1)
+    size = size - edges[0][panel]
+    y = low + size / (edges[0][panel + 1] - edges[0][panel]) * step
+    for _ in range(ROUNDS):
+        # On a panel the rate changes so little that the step needs no bracket but the panel.
+        length, gained = gains(orbit, low, y, nodes)
+        rate, turning = rates_in_y(orbit, y)
+        moved = within(y + (size - length) / rate, low, high)
+        gained = gained + turning * (moved - y)
+        onward = abs(moved - y) > STEP
+        y = moved
+        if not onward:
+            break
+    return y, panel, gained
+
+
+# ---- points on orbits ----------------------------------------------------------
+
+
+def prepare(orbit, rules, edges, values, series):
+    """Fill in the series of an orbit, or its panels' edges, whose number and width is returned."""
+    if orbit.level < 0:
+        return tabulate(orbit, rules[0], edges)
+    _add_sines(orbit, rules, values, series)
+    return 0.0, 0.0
+
+
+def begun_at(orbit, start, panels, nodes, edges, series):
+    """Return what `point_on` needs to know of a geodesic's start and of half a swing.
 
     Returns
     -------
     before, turned : float
-        Arc length and turned angle from t = 0.
+        Arc length and turned angle from t = 0 to the start.
     left : float
         What the turned angle lacks at the start of that at the next crossing of the outer equator.
     crossing : float
         Which crossing that is, in half swings, if `left` has more digits than the angle; else NaN.
+    whole, turn : float
+        Arc length and turned angle of half a swing, or of a round.
     """
-    y = area_sine(abs(start.t) / orbit.width) / orbit.step  # panels from t = 0
-    panel = min(int(y), count - 1)
-    x = 2 * (y - panel) - 1
-    sign = -1.0 if start.t < 0 else 1.0
-    length = series_sum(x, series[0][panel])
-    gained = series_sum(x, series[1][panel])
-    before = sign * (edges[0][panel] + length)
-    turned = sign * (edges[1][panel] + gained)
-    left = sign * (edges[2][panel] - gained)
-    return before, turned, left, sign / 2 if abs(turned) > LATE * edges[1][count] else math.nan
+    _, across, along, _ = start
+    sign = -1.0 if across < 0 else 1.0
+    if orbit.level >= 0:
+        x, terms = arctangent(abs(across), orbit.stretch * along), TERMS[orbit.level]
+        sine, cosine = sine_cosine(2 * x)
+        before = series_sum(x, sine, cosine, terms, series[0])
+        turned = series_sum(x, sine, cosine, terms, series[1])
+        whole, turn = math.pi * series[0][0], math.pi * series[1][0]
+        left = turn / 2 - turned
+    else:
+        count, step = panels
+        y = area_sine(arctangent(abs(across), along) / orbit.width)
+        panel = int(smaller(y / step, count - 1))
+        length, gained = gains(orbit, step * panel, y, nodes)
+        before, turned = edges[0][panel] + length, edges[1][panel] + gained
+        left = edges[2][panel] - gained
+        whole, turn = 2 * edges[0][int(count)], 2 * edges[1][int(count)]
+    crossing = sign / 2 if turned > LATE * turn / 2 else math.nan
+    return sign * before, sign * turned, sign * left, crossing, whole, turn
 
 
-def point_on(orbit, start, begun, s, count, edges, series):
+def point_on(orbit, start, begun, s, panels, nodes, edges, series):
     """Return by how much theta has grown, phi and the azimuth, in rad, of the point at s.
 
     Whole half swings are taken off the arc length from t = 0. What remains, at most half of one to
-    either side of t = 0, ends on one panel, whose series is solved for the place.
+    either side of t = 0, is solved for the place.
 
     Parameters
     ----------
-    orbit, start : Orbit, Start
+    orbit, start : tuple
         As by `orbit_of`.
     begun : tuple
         As by `begun_at`.
     s : float
         Arc length from the start.
-    count, edges, series
-        As filled in by `tabulate`.
+    panels, nodes, edges, series
+        As by `tabulate` or `_add_sines`, with the quadrature of panels.
     """
-    before, turned, left, crossing = begun
-    whole = 2 * edges[0][count]  # the length of half a swing, or of a round
+    before, turned, left, crossing, whole, turn = begun
     rest = s + before
     swings = whole_part(rest / whole)
     rest = rest - swings * whole
     sign = -1.0 if rest < 0 else 1.0
-    size = smaller(abs(rest), edges[0][count])
-    panel = 0
-    while panel < count - 1 and edges[0][panel + 1] <= size:
-        panel += 1
-    low = edges[0][panel]
-    x = solved(size - low, edges[0][panel + 1] - low, series[0][panel])
-    gained = series_sum(x, series[1][panel])
+    if orbit.level >= 0:
+        terms = TERMS[orbit.level]
+        x, sine, cosine = place_in_sines(orbit, abs(rest), terms, series)
+        gained = series_sum(x, 2 * sine * cosine, 1 - 2 * sine * sine, terms, series[1])
+        lacking = turn / 2 - gained
+        across = orbit.stretch * sine
+        size = square_root(across * across + cosine * cosine)
+        sine, cosine = across / size, cosine / size
+        t = arctangent(sine, cosine) if orbit.free else 0.0
+    else:
+        size = smaller(abs(rest), whole / 2)
+        y, panel, gained = place_on_panels(orbit, size, *panels, nodes, edges)
+        gained, lacking = edges[1][panel] + gained, edges[2][panel] - gained
+        grown = growth(y)
+        t = orbit.width * ((grown + grown / (1 + grown)) / 2)
+        sine, cosine = sine_cosine(t)
     if swings + sign / 2 == crossing:
         # The start and the point are beside the same crossing. Both turned angles may be great and
         # nearly the same, as by the node of a horn; what they lack at the crossing is small.
-        beyond = left - sign * (edges[2][panel] - gained)
+        beyond = left - sign * lacking
     else:
-        beyond = sign * (edges[1][panel] + gained) - turned + swings * (2 * edges[1][count])
-    y = orbit.step * (panel + (1 + x) / 2)
-    place, azimuth = point_at(orbit, start, swings + start.begun, y, sign)
+        beyond = sign * gained - turned + swings * turn
+    swings = swings + start[3]
+    place, azimuth = point_at(orbit, start[0], swings, sign * t, sign * sine, cosine)
     return beyond, place, azimuth
-
-
-def tabulate(orbit, shares, integral, values, edges, series):
-    """Return the number of an orbit's panels after filling in both integrals on each of them.
-
-    Parameters
-    ----------
-    orbit : Orbit
-        The geodesic's.
-    shares, integral, values
-        As of `follow_each`.
-    edges
-        Filled where panels begin and end: the arc length and the turned angle from t = 0, and what
-        is left of that angle to t = pi/2.
-    series
-        Filled with the gains of both integrals on each panel.
-    """
-    count = int(orbit.panels)
-    edges[0][0] = edges[1][0] = edges[2][count] = 0.0
-    for panel in range(count):
-        length, turned = _add_panel(orbit, panel, shares, integral, values, series)
-        edges[0][panel + 1] = edges[0][panel] + length
-        edges[1][panel + 1] = edges[1][panel] + turned
-        edges[2][panel] = turned
-    for panel in range(count - 1, -1, -1):
-        edges[2][panel] = edges[2][panel + 1] + edges[2][panel]
-    return count
-
-
-def _add_panel(orbit, panel, shares, integral, values, series):
-    """Return both integrals over a panel after filling in their series.
-
-    The terms of a series are sums over the nodes. Numpy adds along an axis that isn't the last one
-    node after the other, as the loops of `_in_loops` do; so the bits are the same.
-    """
-    _, integral = panel_rule()
-    values = np.array([rates(orbit, orbit.step * (panel + share)) for share in shares])
-    sums = np.add.reduce(integral[:, None] * values[..., None], axis=0)
-    series[0][panel], series[1][panel] = sums.tolist()
-    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
-
-
-def _in_loops(orbit, panel, shares, integral, values, series):
-    """Return what `_add_panel` does, by loops that are to be compiled; `values` is their room."""
-    for k in range(TERMS):
-        values[0][k], values[1][k] = rates(orbit, orbit.step * (panel + shares[k]))
-    for one in range(2):
-        terms = series[one][panel]
-        for j in range(TERMS + 1):
-            terms[j] = integral[0][j] * values[one][0]
-        for k in range(1, TERMS):
-            for j in range(TERMS + 1):
-                terms[j] += integral[k][j] * values[one][k]
-    return series_sum(1.0, series[0][panel]), series_sum(1.0, series[1][panel])
 
 
 # ---- loops over geodesics ------------------------------------------------------
 
-PARTS = {**NUMBERS, "ratio": divided, "_add_panel": _in_loops}
+PARTS = {**NUMBERS, "ratio": divided, "_add_sines": _in_loops}
 # Compiled, these become part of their callers, so that several nodes and terms run at once.
-INLINED = "growth", "two_to_bits", "rates", "series_sum", "tabulate", "_in_loops"
+INLINED = "growth", "two_to_bits", "rates", "rates_in_x", "rates_in_y", "gains", "_in_loops"
 
 
 def trace(torus, given, s):
@@ -634,36 +642,48 @@ def trace(torus, given, s):
     position, azimuth : (n, p, 2) and (n, p) float
         In rad, continued from those given; NaN where there is no answer.
     """
-    position = np.empty((*s.shape, 2))
-    azimuth = np.empty(s.shape)
+    position, azimuth = np.empty((*s.shape, 2)), np.empty(s.shape)
     compiled.expect(EACH * len(s) + POINT * s.size, KIND)
     ready = compiled.ready(KIND)
+    sizes = torus.r / torus.R, torus.R
 
     def fill(block):
-        # Copies in one order that may be written to, so that one compiled form serves all calls.
-        starts, lengths = np.array(given[:, block], order="C"), np.array(s[block], order="C")
-        filled = position[block], azimuth[block]
-        sizes = torus.r / torus.R, torus.R
         if ready:
-            room = *panel_rule(), *(np.empty(shape) for shape in ROOM)
+            # Copies in one order that may be written to, so that one compiled form serves all.
+            starts, lengths = np.array(given[:, block], order="C"), np.array(s[block], order="C")
+            room = rules(True), np.empty((3, MOST_PANELS + 1)), *np.empty((2, 2, TERMS[-1]))
+            filled = position[block], azimuth[block]
             compiled.call(follow_each, *sizes, starts, lengths, *room, *filled, **PARTS)
         else:
-            lists = starts.tolist(), lengths.tolist()
-            compiled.call_plain(follow_each, *sizes, *lists, *_plain_room(), *filled, **PLAIN)
+            starts, lengths = given[:, block].tolist(), s[block].tolist()
+            filled = [[[0.0, 0.0] for _ in row] for row in lengths], [row.copy() for row in lengths]
+            edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
+            room = rules(False), edges, None, [None, None]
+            compiled.call_plain(follow_each, *sizes, starts, lengths, *room, *filled, **PLAIN)
+            position[block], azimuth[block] = filled
 
     compiled.each_block(fill, len(s), max(BLOCK // s.shape[1], 1), KIND)
     return position, azimuth
 
 
-def _plain_room():
-    """Return the room that `follow_each` needs in plain Python; there `values` needs none."""
-    shares, _ = panel_rule()
-    edges = [[0.0] * (MOST_PANELS + 1) for _ in range(3)]
-    return shares.tolist(), None, None, edges, [[None] * MOST_PANELS for _ in range(2)]
+@cache
+def rules(ready):
+    """Return shares and weights of `gains`, and nodes and matrices of all `SINES`.
+
+    Plain Python takes the former as lists and asks `sine_rule` for the latter.
+    """
+    shares, weights = rule(2 * PAIRS)
+    if not ready:
+        return [shares.tolist(), weights.tolist()], None, None
+    squares = np.zeros((len(TERMS), TERMS[-1]))
+    matrices = np.zeros((len(TERMS), TERMS[-1], TERMS[-1]))
+    for level, terms in enumerate(TERMS):
+        squares[level, :terms], matrices[level, :terms, :terms] = sine_rule(terms)
+    return np.stack([shares, weights]), squares, matrices
 
 
 @loop(inlined=INLINED)
-def follow_each(r, R, given, s, shares, integral, values, edges, series, position, azimuths):
+def follow_each(r, R, given, s, rules, edges, values, series, position, azimuths):
     """Fill in points of geodesics, one geodesic after the other.
 
     Parameters
@@ -672,11 +692,10 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
         r / R of the torus, and R in m.
     given, s
         As of `trace`.
-    shares, integral
-        The `panel_rule`.
-    values, edges, series
-        Room of the shapes `ROOM`: for what nodes add to both integrals, what both are where panels
-        begin and what is left of the second, and what they gain from there, as series.
+    rules
+        As by `rules`.
+    edges, values, series
+        Room for `tabulate` and `_add_sines`.
     position, azimuths
         Filled with what `trace` returns.
     """
@@ -691,8 +710,9 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
         leaving = sound and sine != 0
         if leaving:
             orbit, start = orbit_of(r, near, placed, side * sine, cosine)
-            count = tabulate(orbit, shares, integral, values, edges, series)
-            begun = begun_at(orbit, start, count, edges, series)
+            panels = prepare(orbit, rules, edges, values, series)
+            known = panels, rules[0], edges, series
+            begun = begun_at(orbit, start, *known)
         for k in range(len(ways)):
             if not sound:
                 found = math.nan, math.nan, math.nan
@@ -703,26 +723,8 @@ def follow_each(r, R, given, s, shares, integral, values, edges, series, positio
                 along = -ways[k] / R if cosine < 0 else ways[k] / R
                 turned, place, direction = 0.0, near + along, whither
                 if leaving:
-                    turned, place, direction = point_on(
-                        orbit, start, begun, ways[k] / R, count, edges, series
-                    )
-                    turned = side * turned
-                    direction = side * direction
+                    turned, place, direction = point_on(orbit, start, begun, ways[k] / R, *known)
+                    turned, direction = side * turned, side * direction
                 # The whole turns that were taken off are put back.
                 found = turned + theta, place + (phi - near), direction + (azimuth - whither)
-            position[i][k][0] = found[0]
-            position[i][k][1] = found[1]
-            azimuths[i][k] = found[2]
-
-
-def _swing_each(r, sines, shares, integral, values, edges, series, turned, lengths):
-    """Fill in turned angles, and lengths in tube radii, of half swings over the outer equator.
-
-    `sines` are those of the azimuths by which they cross it; the rest is as of `follow_each`.
-    """
-    for i in range(len(sines)):
-        cosine = square_root((1 - sines[i]) * (1 + sines[i]))
-        orbit, _ = orbit_of(r, 0.0, (0.0, 1.0, r + 1), sines[i], cosine)
-        count = tabulate(orbit, shares, integral, values, edges, series)
-        turned[i] = 2 * edges[1][count]
-        lengths[i] = 2 * edges[0][count]
+            position[i][k][0], position[i][k][1], azimuths[i][k] = found

@@ -43,7 +43,6 @@ STEEP = 0.9  # of the way to the meridian: beyond, the unknown of `outer` is a l
 STEEPEST = 70.0  # of that way, in that logarithm: there only 1e-301 of the way is left
 NARROW = 0.03  # of the larger radius: an end as near to a node, or the inner equator, needs a leg
 CLOSE = 1e-5  # rad, short of what half a swing by a node turns: such ways need legs, too
-PI_REST = 1.2246467991473532e-16  # pi less math.pi
 
 # Pairs of nodes of the quadrature, by how many fifths y grows along a way (`_stretched`): on all
 # tori so many that more change nothing, found by trial. They grow as exp(0.66 y), to a last number.
@@ -150,8 +149,7 @@ def rho(torus, phi, cosine):
 
     There math.pi falls short of pi, so that the formula leaves 1e-32 R.
     """
-    far = distance(torus, phi, cosine)
-    return 0.0 if torus.r == torus.R and phi == math.pi else far
+    return 0.0 if torus.r == torus.R and phi == math.pi else distance(torus, phi, cosine)
 
 
 def distance(torus, phi, cosine):
@@ -481,6 +479,8 @@ def add_nodes(torus, way, stretched, nodes, places, rows):
         As `_stretched` returns it.
     nodes : (2, k) float
         Shares and weights.
+    places : int
+        How many of them are taken.
     rows : (3, k) float
         Filled with the parts of the turned angle, of its rate by the unknown, and of the length. It
         is the rate at fixed limits: `moving` returns what their motion adds.

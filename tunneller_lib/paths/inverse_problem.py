@@ -32,7 +32,6 @@ from .geodesic_root import (
     MOST_PAIRS,
     OUTSIDE,
     PAST,
-    PI_REST,
     ROUNDING,
     Ends,
     Radii,
@@ -52,6 +51,7 @@ NONE, POINT, MERIDIAN, OUTER, INNER = range(len(KINDS))
 LEVEL = 1e-30  # of the arc between them: ends nearer to the outer equator count as on it
 NEAR = 1e-45  # of R: a shorter way counts as straight, lest products of four lengths vanish
 LARGE = 2.0**500  # a factor that brings lengths below NEAR to where they have all digits
+PI_REST = 1.2246467991473532e-16  # pi less math.pi
 WOUND = 17  # in units of its class: for such an unknown c is r - R to fourteen digits
 CLASSES = 8  # of `competing_geodesics`
 FARTHEST = 10  # the unknown of `second`, in units of its class, where c is least to 1e-8
@@ -336,16 +336,14 @@ def normal_form(torus, turn, phi1, phi2):
     swap = abs(phi2) > abs(phi1)
     a, b = (phi2, phi1) if swap else (phi1, phi2)
     mirror = -1.0 if a < 0 else 1.0
-    a = a * mirror
-    b = b * mirror
+    a, b = a * mirror, b * mirror
     # The way between ends so near to the outer equator, for their turn, is the equator to the last
     # digit of its length and azimuths, while products of the ends' sines would vanish.
     if torus.R * a < LEVEL * ((torus.r + torus.R) * angle):
         a = b = 0.0
     ends = ends_at(torus, a, b)
     # At a node itself there is no tangent plane: it isn't on the sheet.
-    on_sheet = ends.rho_a > 0
-    return EndPair(a, b, angle, mirror, -1.0 if turn < 0 else 1.0, swap, on_sheet, ends)
+    return EndPair(a, b, angle, mirror, -1.0 if turn < 0 else 1.0, swap, ends.rho_a > 0, ends)
 
 
 def nothing():
@@ -703,6 +701,5 @@ def _answers(work, kind, classes, seconds, torus, p, q):
 
     compiled.each_block(fill, len(ends), BLOCK if ready else PLAIN_BLOCK, kind)
     answers = answers.reshape(classes, 6, -1)
-    answers[:, 0] *= unit
-    answers[:, 3] *= unit
+    answers[:, [0, 3]] *= unit
     return answers

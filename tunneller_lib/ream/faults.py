@@ -53,8 +53,7 @@ def corrected_fault(case):
 
     The correction cancels the projected chord's law, and the next power has no closed form.
     """
-    plan = case.plan
-    return _overbreak(plan, _sharp(plan)) - _overbreak(plan, _geodesics(plan)), None
+    return projected_fault(case)[0], None
 
 
 def corner_fault(case):

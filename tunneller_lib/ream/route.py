@@ -20,11 +20,8 @@ WAYS = {
 }
 
 
-def _rising(knots):
-    return knots[:1].tolist() == [0] and np.all(np.diff(knots) > 0)
-
-
-Knots = Array("(n,) float", "m", also=("rise from 0", _rising))
+_RISING = "rise from 0", lambda knots: knots[:1].tolist() == [0] and np.all(np.diff(knots) > 0)
+Knots = Array("(n,) float", "m", also=_RISING)
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,9 +57,8 @@ def _turn_frames(turn):
     return np.all(np.abs(turn @ np.moveaxis(turn, -1, -2) - np.eye(3)) <= ROUNDED)
 
 
-Turns = Array(
-    "(..., 3, 3) float", also=("hold rows that are perpendicular and 1 long", _turn_frames)
-)
+_ROWS = "hold rows that are perpendicular and 1 long"
+Turns = Array("(..., 3, 3) float", also=(_ROWS, _turn_frames))
 
 
 @checked

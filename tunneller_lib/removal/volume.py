@@ -4,13 +4,11 @@ import numpy as np
 
 from ..arguments import MOST, Array, Length, Lengths, checked
 
-_RADII = f"hold radii above zero, of at most {MOST:g} m or infinite"
-Walls = Array(
-    "(...) float",
-    "m",
-    loose=True,
-    also=(_RADII, lambda wall: np.all((wall > 0) & ((wall <= MOST) | np.isinf(wall)))),
+_RADII = (
+    f"hold radii above zero, of at most {MOST:g} m or infinite",
+    lambda wall: np.all((wall > 0) & ((wall <= MOST) | np.isinf(wall))),
 )
+Walls = Array("(...) float", "m", loose=True, also=_RADII)
 
 
 @checked

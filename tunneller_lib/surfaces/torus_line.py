@@ -54,7 +54,9 @@ def meet(torus, a, b):
         lines = [np.broadcast_to(c, solve.shape)[solve] for c in line]
         brackets = (low[solve], high[solve])
         with np.errstate(invalid="ignore"):  # find_root tries interpolations that have no value
-            s[solve] = find_root(_between_circles, brackets, args=(*lines, r, R)).x
+            # The product of both distances is below zero inside of the torus.
+            inside = lambda s, *line: np.multiply(*_distances(s, *line))  # noqa: E731
+            s[solve] = find_root(inside, brackets, args=(*lines, r, R)).x
     t = -dot(a, e) / length + s * (size / length)
     return np.sort(np.moveaxis(t, 0, -1), axis=-1)
 
@@ -64,12 +66,6 @@ def _distances(s, x, y, z, ex, ey, ez, r, R):
     rho = np.hypot(x + s * ex, z + s * ez)
     height = y + s * ey
     return np.hypot(rho - r, height) - R, np.hypot(rho + r, height) - R
-
-
-def _between_circles(s, *line):
-    """Return the product of both distances, which is below zero inside of the torus."""
-    near, far = _distances(s, *line)
-    return near * far
 
 
 def _extremes(foot, e, r, R):
