@@ -266,7 +266,7 @@ def headed(r, phi, azimuth, c):
     """
     sine, cosine = sine_cosine(azimuth)
     half_sine, half_cosine = sine_cosine(phi / 2)
-    rho = distance(Radii(r, 1.0), phi, half_cosine)
+    rho = distance(Radii(r, 1.0), half_sine, half_cosine)
     if c == c:
         # Near a meridian the azimuth's own rounding is most of its sine.
         if abs(sine) <= STEEP:

@@ -134,7 +134,11 @@ def ends_at(torus, a, b):
     middle, _ = sine_cosine((a + b) / 2)
     # As this product, sin^2(a/2) - sin^2(b/2) keeps its digits however near the ends are.
     apart = middle * sine
-    rho_a, rho_b = rho(torus, a, cosine_a), rho(torus, b, cosine_b)
+    # The node of a horn isn't on its sheet. There math.pi falls short of pi, so that the formula
+    # leaves 1e-32 R.
+    node = torus.r == torus.R and a == math.pi
+    rho_a = 0.0 if node else distance(torus, sine_a, cosine_a)
+    rho_b = distance(torus, sine_b, cosine_b)
     meridian = square_root(larger(rho_a, 0.0) / (2 * torus.R))
     # At x = X, on a ring, the geodesic winds towards the inner equator (k = 1, c = r - R); on a
     # spindle it is the meridian, through the node (c = 0).
@@ -144,25 +148,12 @@ def ends_at(torus, a, b):
     )
 
 
-def rho(torus, phi, cosine):
-    """Return the `distance` at phi, or zero at the node of a horn, which isn't on its sheet.
-
-    There math.pi falls short of pi, so that the formula leaves 1e-32 R.
-    """
-    return 0.0 if torus.r == torus.R and phi == math.pi else distance(torus, phi, cosine)
-
-
-def distance(torus, phi, cosine):
-    """Return the distance rho from the axis at phi, in rad, from -pi to pi.
-
-    `cosine` is that of phi / 2.
-    """
-    _, level = sine_cosine(phi)
-    # Near phi = pi the sum of r and R cos(phi) cancels where r is about R: r - R and
-    # R (1 + cos(phi)) = 2 R cos^2(phi/2) keep the digits.
-    if level < -0.5:
+def distance(torus, sine, cosine):
+    """Return the distance rho = r + R cos(phi) from the axis, by `sine` and `cosine` of phi / 2."""
+    # Beyond phi = 90 deg the difference to r + R would cancel, that to r - R doesn't.
+    if abs(sine) > abs(cosine):
         return torus.r - torus.R + 2 * torus.R * (cosine * cosine)
-    return torus.r + torus.R * level
+    return torus.r + torus.R - 2 * torus.R * (sine * sine)
 
 
 # ---- classes -----------------------------------------------------------------
