@@ -9,8 +9,10 @@ from numpy.polynomial.legendre import leggauss
 from scipy.integrate import solve_ivp
 
 from tests.shapes import ways_of
+from tunneller_lib.kernels.elementwise import PLAIN
 from tunneller_lib.paths import (
     competing_geodesics,
+    direct_problem,
     geodesic_direct,
     geodesic_inverse,
     geodesic_root,
@@ -362,7 +364,7 @@ def test_deviation_is_positive_to_the_left_of_the_way_as_seen_from_outside():
     np.testing.assert_allclose(off, MACHINE.R * np.sin([0.01, -0.02]), rtol=1e-4)
 
 
-# The ways that need most nodes for the width of their y lead from phi to -phi, nearly straight down.
+# For the width of their y, ways from phi to -phi, nearly straight down, need most nodes.
 @pytest.mark.parametrize("ratio", [1e-6, 0.1, 0.25, 0.5, 0.8, 0.95, 0.999, 1, 1.001, 1.05, 3, 100])
 def test_few_nodes_are_as_good_as_many_on_ways_of_any_width(ratio):
     torus = Torus(ratio, 1)
@@ -376,6 +378,25 @@ def test_few_nodes_are_as_good_as_many_on_ways_of_any_width(ratio):
         rounding = 1e-14 if share < 0.5 else 3e-13  # grows with the width, to 1e-13
         np.testing.assert_allclose(few[[1, 3]], many_[[1, 3]], rtol=rounding)
         np.testing.assert_allclose(few[2], many_[2], rtol=1e-6, atol=1e-12)  # the rate only steers
+
+
+# By a peak that panels resolve as well: at the limit of each number of terms and in between.
+@pytest.mark.parametrize("ratio", [1e-3, 0.1, 0.25, 0.7, 0.95, 1, 1.05, 1.3, 3, 100])
+def test_series_of_sines_and_panels_agree(ratio, monkeypatch):
+    rng, torus = np.random.default_rng(4), Torus(ratio, 1)
+    rim = np.arccos(max(-ratio, -1))
+    starts = np.stack([np.zeros(300), rng.uniform(-0.9, 0.9, 300) * rim], axis=-1)
+    azimuth, length = 10 ** rng.uniform(-2.5, 0.5, 300), rng.uniform(-1, 1, 300)
+    series = geodesic_direct(torus, starts, azimuth, length)
+    asked = []
+    monkeypatch.setitem(PLAIN, "level_of", lambda stretch: asked.append(stretch**2) or -1)
+    panels = geodesic_direct(torus, starts, azimuth, length)
+    limits = np.array(direct_problem.SINES)[:, 1]
+    assert np.unique(np.searchsorted(limits[::-1], asked)).size >= len(limits) - 2
+    off = np.abs(series.position - panels.position).max(axis=(1, 2))
+    off = np.maximum(off, np.abs(series.azimuth - panels.azimuth).max(axis=1))
+    # Ways that pass near a node turn there by much more than Clairaut's constant is right to.
+    assert np.all(off <= np.where(np.array(asked) > 0.2, 1e-14, 2e-13))
 
 
 # Ways round the outside whose far end has a peak of its own: one descends to beside a node, one

@@ -20,14 +20,12 @@ def draw_half_swings(ax, tori):
         At most three, which differ by the line's style.
     """
     for torus, line in zip(tori, ("-", "--", ":"), strict=False):
-        narrow = max(torus.r - torus.R, 0.0)
-        wide = torus.r + torus.R
-        c = narrow + (wide - narrow) * np.linspace(0.002, 1, 300)
+        gap, wide = torus.r - torus.R, torus.r + torus.R
+        c = max(gap, 0.0) + min(2 * torus.R, wide) * np.linspace(0.002, 1, 300)
         # T(c) of the proof: on a periodic integrand equal steps are as good as any rule.
         x = (np.arange(4000) + 0.5) * np.pi / 8000
         rho = 1 / np.hypot(np.cos(x) / c[:, None], np.sin(x) / wide)
-        growth = np.sqrt(1 + 2 * torus.r / (rho + torus.R - torus.r)).mean(axis=1)
-        turned = 180 * torus.R / wide * growth
+        turned = 180 * torus.R / wide * np.sqrt(1 + 2 * torus.r / (rho - gap)).mean(axis=1)
         label = f"r/R = {torus.r / torus.R:g}"
         ax.plot(c / wide, turned, line, color=COLOURS["geodesic"], label=label)
         ax.plot(1, turned[-1], "k.")

@@ -14,8 +14,8 @@ from scipy.integrate import solve_bvp
 
 from tests.bench.conftest import best_times
 from tunneller_lib.kernels import compiled
-from tunneller_lib.paths import geodesic_direct, geodesic_inverse
-from tunneller_lib.paths.direct_problem import KIND, panel_rule
+from tunneller_lib.paths import direct_problem, geodesic_direct, geodesic_inverse
+from tunneller_lib.paths.direct_problem import KIND, SINES
 from tunneller_lib.paths.geodesic_root import quadratures
 from tunneller_lib.surfaces import REFERENCE_MACHINE, Torus
 
@@ -63,13 +63,14 @@ def bound(bound_in_c):
     function = bound_in_c("geodesic_sheet").geodesic_sheet
     array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
     number = ctypes.c_double
-    function.argtypes = [number, number, array, array, ctypes.c_long, array, array, array]
+    counts = np.ctypeslib.ndpointer(np.int64, flags="C_CONTIGUOUS")
+    function.argtypes = [number, number, array, array, ctypes.c_long, array, counts, array]
     function.restype = ctypes.c_long
-    nodes = [row.copy() for row in quadratures(ring=False, ready=True)[0][0]]
+    rules = quadratures(ring=False, ready=True)
 
     def inverse(p, q):
         found = np.empty((4, len(p)))
-        assert function(MACHINE.r, MACHINE.R, p, q, len(p), *nodes, found) == 0
+        assert function(MACHINE.r, MACHINE.R, p, q, len(p), *rules, found) == 0
         return found
 
     return inverse
@@ -100,12 +101,14 @@ def bound_of_direct(bound_in_c):
     function = bound_in_c("geodesic_direct").geodesic_direct
     array = np.ctypeslib.ndpointer(float, flags="C_CONTIGUOUS")
     number = ctypes.c_double
-    function.argtypes = [number, number, array, array, ctypes.c_long, array, array, array]
+    function.argtypes = [number, number, array, array, ctypes.c_long, *[array] * 5]
     function.restype = ctypes.c_long
+    tables = np.array(SINES).T.copy()
 
     def direct(start, length):
         found = np.empty_like(start)
-        assert function(MACHINE.r, MACHINE.R, start, length, len(length), *panel_rule(), found) == 0
+        rules = *tables, *direct_problem.rules(ready=True)[1:]
+        assert function(MACHINE.r, MACHINE.R, start, length, len(length), *rules, found) == 0
         return found
 
     return direct
@@ -116,7 +119,7 @@ def test_direct_against_c(benchmark, say, note, bound_of_direct, n):
     pytest.importorskip("numba", reason="what is compiled is timed")
     p, _ = random_pairs(MACHINE, n)
     rng = np.random.default_rng(2)
-    azimuth = rng.uniform(-3, 3, n)
+    azimuth = rng.uniform(0.02, 3, n) * rng.choice([-1, 1], n)
     length = rng.uniform(0, 1.2, n)
     start = np.array([*p.T, azimuth])
     compiled.expect(compiled.LONG + 1, KIND)
@@ -161,6 +164,34 @@ def test_against_an_ellipsoids(installed, benchmark, say, package, n):
     ours, other = best_times(lambda: geodesic_inverse(MACHINE, *ends), theirs, rounds=rounds)
     say(f"geodesic_inverse on the torus, {n:,} pairs, time over {package}'s on an ellipsoid",
         ours / other, package)  # fmt: skip
+
+
+@pytest.mark.parametrize("package", ["geographiclib"])
+def test_one_by_one_in_plain_python(installed, benchmark, note, monkeypatch, package):
+    monkeypatch.setattr(compiled, "LONG", np.inf)
+    n, rng = 200, np.random.default_rng(2)
+    (p, q), azimuth, length = (
+        random_pairs(MACHINE, n),
+        rng.uniform(-3, 3, n),
+        rng.uniform(0, 1.2, n),
+    )
+    geodesic = importlib.import_module(f"{package}.geodesic").Geodesic
+    earth = geodesic(MACHINE.R, 1 / 298.257223563)
+    here, there = np.degrees(p).tolist(), np.degrees(q).tolist()
+    ways = list(zip(azimuth.tolist(), length.tolist(), np.degrees(azimuth).tolist(), strict=True))
+    inverse, theirs, direct, their_direct = best_times(
+        lambda: [geodesic_inverse(MACHINE, *pair) for pair in zip(p, q, strict=True)],
+        lambda: [earth.Inverse(a[1], a[0], b[1], b[0]) for a, b in zip(here, there, strict=True)],
+        lambda: [geodesic_direct(MACHINE, a, *way[:2]) for a, way in zip(p, ways, strict=True)],
+        lambda: [earth.Direct(a[1], a[0], w[2], w[1]) for a, w in zip(here, ways, strict=True)],
+    )
+    benchmark.pedantic(geodesic_inverse, (MACHINE, p[0], q[0]))
+    agree = "each right to rounding, on its own surface: a torus here, an ellipsoid there"
+    for work, each, ours, other in (
+        ("inverse", "pair", inverse, theirs), ("direct", "end", direct, their_direct)
+    ):  # fmt: skip
+        note(f"geodesic {work}, working sheet, one by one in plain Python", each, 1, ours / n,
+             peer=f"{package} {work.title()}", peer_s=other / n, criterion=agree)  # fmt: skip
 
 
 # A boundary value problem, as it would be put to scipy: theta, phi and azimuth over the share of

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { HALF = 10, ROOM = 16 };
+enum { FIFTHS = 13, MOST = 48 };
 
 static const double WHOLE = 6755399441055744.0;
 
@@ -71,7 +71,7 @@ static double rate_of_turn(double R, const Way *way, double sine)
     return way->c / rho * sqrt(2 * R / ((rho + way->c) * (way->A + way->B * sin2)));
 }
 
-static void integrate(double R, const Way *way, const double *share, const double *weight, double *sums)
+static void integrate(double R, const Way *way, const double *nodes, const int64_t *counts, double *sums)
 {
     double tangent = way->first / (1 + way->cosine);
     double first = tangent / (1 + sqrt(1 + tangent * tangent));
@@ -86,8 +86,11 @@ static void integrate(double R, const Way *way, const double *share, const doubl
     double sine = x > 0 ? grow / a0 * (x + z) / (z * root_x + x * root_z) : z * root_x - x * root_z;
     double lead = x > 0 ? x + root_x : 1 / (root_x - x), end = z + root_z;
     double width = asinh(sine), size = a0 / 2;
-    double turned[ROOM], rate[ROOM], length[ROOM];
-    for (int k = 0; k < ROOM; k++) {
+    int which = 5 * width < FIFTHS ? (int)(5 * width) : FIFTHS;
+    const double *share = nodes + 2 * MOST * which, *weight = share + MOST;
+    int places = (int)counts[2 * which], count = (int)counts[2 * which + 1];
+    double turned[MOST], rate[MOST], length[MOST];
+    for (int k = 0; k < places; k++) {
         double grown = 1 + growth(width * share[k]), shrunk = 1 / grown;
         double step = weight[k] * (width * size);
         double sum[3] = {0, 0, 0};
@@ -110,7 +113,7 @@ static void integrate(double R, const Way *way, const double *share, const doubl
         length[k] = sum[2];
     }
     sums[0] = sums[1] = sums[2] = 0;
-    for (int k = 0; k < HALF; k++) {
+    for (int k = 0; k < count; k++) {
         sums[0] += turned[k];
         sums[1] += rate[k];
         sums[2] += length[k];
@@ -119,10 +122,10 @@ static void integrate(double R, const Way *way, const double *share, const doubl
     sums[1] += way->dlast * rate_of_turn(R, way, sine_last) - way->dfirst * rate_of_turn(R, way, way->first);
 }
 
-/* p and q are (n, 2), share and weight (ROOM), found (4, n): length, both azimuths, c. Returns how
-   many pairs took no answer. */
-long geodesic_sheet(double r, double R, const double *p, const double *q, long n, const double *share,
-                    const double *weight, double *found)
+/* p and q are (n, 2), nodes (FIFTHS + 1, 2, MOST) and counts (FIFTHS + 1, 2) as of `quadratures`,
+   found (4, n): length, both azimuths, c. Returns how many pairs took no answer. */
+long geodesic_sheet(double r, double R, const double *p, const double *q, long n, const double *nodes,
+                    const int64_t *counts, double *found)
 {
     long failed = 0;
     for (long i = 0; i < n; i++) {
@@ -147,7 +150,7 @@ long geodesic_sheet(double r, double R, const double *p, const double *q, long n
             double sums[3];
             way = outer(r, R, sa, sb, apart, rho_a, rho_b, X, u);
             if (done) break;
-            integrate(R, &way, share, weight, sums);
+            integrate(R, &way, nodes, counts, sums);
             double miss = angle - sums[0], step = miss / sums[1];
             if (miss > 0) low = u;
             if (miss < 0) high = u;
