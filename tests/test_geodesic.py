@@ -9,6 +9,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.integrate import solve_ivp
 
 from tests.shapes import ways_of
+from tunneller_lib.kernels import compiled
 from tunneller_lib.kernels.elementwise import PLAIN
 from tunneller_lib.paths import (
     competing_geodesics,
@@ -387,6 +388,7 @@ def test_series_of_sines_and_panels_agree(ratio, monkeypatch):
     rim = np.arccos(max(-ratio, -1))
     starts = np.stack([np.zeros(300), rng.uniform(-0.9, 0.9, 300) * rim], axis=-1)
     azimuth, length = 10 ** rng.uniform(-2.5, 0.5, 300), rng.uniform(-1, 1, 300)
+    monkeypatch.setattr(compiled, "ready", lambda _: False)
     series = geodesic_direct(torus, starts, azimuth, length)
     asked = []
     monkeypatch.setitem(PLAIN, "level_of", lambda stretch: asked.append(stretch**2) or -1)
@@ -397,6 +399,59 @@ def test_series_of_sines_and_panels_agree(ratio, monkeypatch):
     off = np.maximum(off, np.abs(series.azimuth - panels.azimuth).max(axis=1))
     # Ways that pass near a node turn there by much more than Clairaut's constant is right to.
     assert np.all(off <= np.where(np.array(asked) > 0.2, 1e-14, 2e-13))
+
+
+# There two terms of the series have no slope, by which the search for the place begins.
+@pytest.mark.parametrize("ratio, phi, azimuth, length", [
+    (0.1, 1.46, 0.0931, 0.88708033585861), (0.5, 1.64, 0.0558, 1.082455190744864),
+])  # fmt: skip
+def test_place_is_found_where_two_terms_of_the_series_have_no_slope(
+    ratio, phi, azimuth, length, monkeypatch
+):
+    monkeypatch.setattr(compiled, "ready", lambda _: False)
+    series = geodesic_direct(Torus(ratio, 1), (0, phi), azimuth, length)
+    monkeypatch.setitem(PLAIN, "level_of", lambda _: -1)
+    panels = geodesic_direct(Torus(ratio, 1), (0, phi), azimuth, length)
+    np.testing.assert_allclose(series.position, panels.position, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("ratio, phi, azimuth, length", [
+    (0.1, 0.8650555986282783, 2.724075696455446, 4.675609184439403e33), (0.1, 0.3, 1.0, 8e15),
+    (5.37e89, -6.66e-11, 1.41587, 7.02e44),
+])  # fmt: skip
+def test_longest_geodesics_keep_clairauts_constant(ratio, phi, azimuth, length):
+    way = geodesic_direct(Torus(ratio, 1), (0, phi), azimuth, length)
+    c = (ratio + np.cos(way.position[:, 1])) * np.sin(way.azimuth)
+    assert c[1] == pytest.approx(c[0], rel=1e-12)
+
+
+def test_geodesic_round_the_tube_of_a_ring_that_is_nearly_a_horn():
+    r, phi, end, azimuth = mpf("1.000178256977964"), mpf("1.1227643442654078"), mpf(5.5), 5e-8
+    with mp.workdps(30):
+        c = (r + mp.cos(phi)) * mp.sin(azimuth)
+
+        def growth(phi, power):
+            rho = r + mp.cos(phi)
+            return rho**power / mp.sqrt((rho - c) * (rho + c))
+
+        places = phi, mp.pi - 0.1, mp.pi - 0.01, mp.pi, mp.pi + 0.01, mp.pi + 0.1, end
+        turned, length = (mp.quad(partial(growth, power=k), places) for k in (-1, 1))
+    way = geodesic_direct(Torus(float(r), 1), (0, float(phi)), azimuth, float(length))
+    assert way.position[1] == pytest.approx([float(c * turned), 5.5], rel=1e-14)
+
+
+# Both ends lie beside the inner equator of a ring: a way over it has a peak at either one.
+@pytest.mark.parametrize("ratio, a, b, turn", [
+    (1.0003922633924152, 3.1406578017600943, 3.141587822095486, 0.1962751115688386),
+    (1.01, 3.1, 3.1, 0.3),
+])  # fmt: skip
+def test_rivals_over_the_inner_equator_lead_from_beside_it_to_beside_it(ratio, a, b, turn):
+    found = competing_geodesics(Torus(ratio, 1), (0, a), (turn, b))
+    inner = np.flatnonzero(found.kind == "inner")
+    assert inner.size == 2
+    way = geodesic_direct(found.torus, (0, a), found.azimuth1[inner], found.length[inner])
+    missed = np.remainder(way.position[:, 1] - (turn, b) + np.pi, 2 * np.pi) - np.pi
+    np.testing.assert_allclose(missed, 0, atol=1e-10)
 
 
 # Ways round the outside whose far end has a peak of its own: one descends to beside a node, one

@@ -147,7 +147,7 @@ def _check(values, rules):
             continue
         values[name] = sound = rule.check(name, value)
         if rule.own_axes is not None and sound is not None:
-            shape = getattr(sound, "shape", ())  # of one number there is none
+            shape = getattr(sound, "shape", ())  # a single number has none
             leading[name] = shape[: len(shape) - rule.own_axes]
     if len(set(leading.values())) > 1:
         try:

@@ -50,11 +50,11 @@ STEEP = 0.1  # a sine below which Clairaut's constant has more digits of it than
 # first term left out is about exp(-2 terms artanh(k)) / (2 terms) of the mean, less than 5e-17.
 TERMS = 8, 10, 12, 14, 16, 20, 24, 32, 48, 64
 SINES = tuple((terms, round(math.tanh(17.4 / terms) ** 2, 3)) for terms in TERMS)
-PANEL, PAIRS = 1.2, 12  # greatest width of a panel, and pairs of nodes of its quadrature
+PANEL, PANEL_PAIRS = 1.2, 12  # greatest width of a panel, and pairs of nodes of its quadrature
 MOST_PANELS = 60  # by the narrowest peak, where y goes up to 70
 STEP = 1e-8  # Newton's last step leaves an error of the order of its square
 NARROWEST = 1e-30  # width of a peak: below it c is r - R to its last digit
-ROUNDS = 30  # Newton's method takes three
+ROUNDS = 30  # Newton's method takes three to eight
 BLOCK = 8192  # points at a time: any number of points needs the same room
 EACH, POINT = 3e-5, 1.2e-5  # s in plain Python for a geodesic, and for each of its points
 KIND = "points of geodesics"  # of work, for `compiled`
@@ -118,6 +118,13 @@ class GeodesicPoints:
         ------
         ValueError
             If the leading axes don't broadcast with the geodesics'.
+
+        Examples
+        --------
+        >>> three = geodesic_direct(Torus(0.1, 0.9), np.zeros((3, 2)), 0.0, 0.9)
+        >>> three.deviation(np.zeros((2, 1, 2)))  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ValueError: position: its leading axes must broadcast with those of the ..., (3,); got (2,).
         """
         own = self.s.shape[:-1]
         try:
@@ -180,13 +187,16 @@ def geodesic_direct(torus: Torus, p: Positions, azimuth: Angles, length: Lengths
     the tube: a geodesic of any length takes as long as a short one. Angles are right to some
     roundings, and to length / sqrt(R (r + R)) of them on a long way, along which an error of the
     start grows. Near the inner equator of a ring, where neighbours part, it grows
-    exp(length / sqrt(R (r - R))) times.
+    exp(length / sqrt(R (r - R))) times. Next to a node theta is right to roundings of R / rho.
 
     Examples
     --------
     >>> way = geodesic_direct(Torus(0.1, 0.9), (0, -0.3), 0.0, 0.63)
     >>> way.position[-1].round(12)
     array([0. , 0.4])
+    >>> geodesic_direct(Torus(0.1, 0.9), np.zeros((6, 2)), 0, 1, 10**6)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ValueError: n: must ask for at most 5000000 points of all ...; got 1000000 of each of 6.
     """
     return followed(torus, p, azimuth, length, n)
 
@@ -266,7 +276,7 @@ def headed(r, phi, azimuth, c):
     """
     sine, cosine = sine_cosine(azimuth)
     half_sine, half_cosine = sine_cosine(phi / 2)
-    rho = distance(Radii(r, 1.0), half_sine, half_cosine)
+    rho = distance(Radii(r, 1.0), phi, half_cosine)
     if c == c:
         # Near a meridian the azimuth's own rounding is most of its sine.
         if abs(sine) <= STEEP:
@@ -294,16 +304,16 @@ def orbit_of(r, phi, placed, sine, cosine):
         Its constants.
     start : (rising, across, along, begun)
         1 if phi grows at first, else -1; what is in proportion to the sine and to the cosine of t,
-        which is from -pi/2 to pi/2 once `begun` times pi, a whole number, is taken off.
+        from -pi/2 to pi/2 once `begun`, a whole number of half swings, pi each, is taken off.
     """
     half_sine, half_cosine, rho = placed
     c = rho * sine
     slope = cosine * square_root(rho / (2 * (1 + sine)))  # its square is (rho - c) / 2
     k2 = half_sine * half_sine + slope * slope
-    # 1 - k^2. On a ring it is a difference. Where it is small it is off by some roundings of
-    # cos^2(phi/2), which are small for a start near the inner equator; (1 - r + c) / 2 would be off
-    # by a rounding of c there. On a spindle or a horn the latter is a sum, which can't cancel.
-    rest = half_cosine * half_cosine - slope * slope if r > 1 else (1 - r + c) / 2
+    # 1 - k^2. On a spindle or a horn it is a sum, which can't cancel. On a ring both forms are
+    # differences: where small, they are off by roundings of c, or of cos^2(phi/2).
+    square = half_cosine * half_cosine
+    rest = (1 - r + c) / 2 if r <= 1 or c <= square else square - slope * slope
     free = rest < 0
     A = larger(abs(rest), NARROWEST * NARROWEST)
     B = 1.0 if free else k2
@@ -333,8 +343,8 @@ def orbit_of(r, phi, placed, sine, cosine):
 
 
 def whole_part(x):
-    """Return the nearest whole number, as a float."""
-    return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x  # from 2^52 on all floats are whole
+    """Return the nearest whole number, as a float; beyond 2^51, the next one below."""
+    return (x + WHOLE) - WHOLE if abs(x) < 2.0**51 else x - x % 1.0
 
 
 def rates(orbit, sin2, dt):
@@ -441,11 +451,12 @@ def series_sum(x, sine, cosine, terms, factors):
 def place_in_sines(orbit, size, terms, series):
     """Return x, from 0 to pi/2, its sine and cosine, where the arc length from t = 0 is `size`."""
     mean, first, second = series[0][0], series[0][1], series[0][2]
-    # The first guess is a step of Newton's method with two terms of the series.
+    # The first guess is a step of Newton's method with two terms of the series, whose slope may
+    # vanish by a peak.
     x = size / mean
     sine, cosine = sine_cosine(2 * x)
-    slope = mean + 2 * first * cosine + 4 * second * (1 - 2 * sine * sine)
-    x = x - (first + 2 * second * cosine) * sine / slope
+    slope = larger(mean + 2 * first * cosine + 4 * second * (1 - 2 * sine * sine), mean / 2)
+    x = within(x - (first + 2 * second * cosine) * sine / slope, 0.0, math.pi / 2)
     for _ in range(ROUNDS):
         sine, cosine = sine_cosine(x)
         square = sine * sine
@@ -473,7 +484,7 @@ def rates_in_y(orbit, y):
 def gains(orbit, low, high, nodes):
     """Return by how much arc length and turned angle grow from y = low to high, on one panel."""
     length = turned = 0.0
-    for k in range(PAIRS):
+    for k in range(PANEL_PAIRS):
         for share in nodes[0][k], 1 - nodes[0][k]:
             of_length, of_angle = rates_in_y(orbit, low + share * (high - low))
             length = length + nodes[1][k] * of_length
@@ -526,7 +537,7 @@ def place_on_panels(orbit, size, count, step, nodes, edges):
 
 
 def prepare(orbit, rules, edges, values, series):
-    """Fill in the series of an orbit, or its panels' edges, whose number and width is returned."""
+    """Fill in the series of an orbit, or its panels' edges; return as `tabulate`, or zeros."""
     if orbit.level < 0:
         return tabulate(orbit, rules[0], edges)
     _add_sines(orbit, rules, values, series)
@@ -571,8 +582,8 @@ def begun_at(orbit, start, panels, nodes, edges, series):
 def point_on(orbit, start, begun, s, panels, nodes, edges, series):
     """Return by how much theta has grown, phi and the azimuth, in rad, of the point at s.
 
-    Whole half swings are taken off the arc length from t = 0. What remains, at most half of one to
-    either side of t = 0, is solved for the place.
+    Whole half swings are taken off the arc length from t = 0. What remains, half of one at most to
+    either side of t = 0 but for roundings, is solved for the place.
 
     Parameters
     ----------
@@ -583,24 +594,23 @@ def point_on(orbit, start, begun, s, panels, nodes, edges, series):
     s : float
         Arc length from the start.
     panels, nodes, edges, series
-        As by `tabulate` or `_add_sines`, with the quadrature of panels.
+        What `prepare` returned, the panels' quadrature, and what it filled in.
     """
     before, turned, left, crossing, whole, turn = begun
     rest = s + before
     swings = whole_part(rest / whole)
     rest = rest - swings * whole
-    sign = -1.0 if rest < 0 else 1.0
+    sign, size = -1.0 if rest < 0 else 1.0, smaller(abs(rest), whole / 2)
     if orbit.level >= 0:
         terms = TERMS[orbit.level]
-        x, sine, cosine = place_in_sines(orbit, abs(rest), terms, series)
+        x, sine, cosine = place_in_sines(orbit, size, terms, series)
         gained = series_sum(x, 2 * sine * cosine, 1 - 2 * sine * sine, terms, series[1])
         lacking = turn / 2 - gained
         across = orbit.stretch * sine
-        size = square_root(across * across + cosine * cosine)
-        sine, cosine = across / size, cosine / size
+        far = square_root(across * across + cosine * cosine)
+        sine, cosine = across / far, cosine / far
         t = arctangent(sine, cosine) if orbit.free else 0.0
     else:
-        size = smaller(abs(rest), whole / 2)
         y, panel, gained = place_on_panels(orbit, size, *panels, nodes, edges)
         gained, lacking = edges[1][panel] + gained, edges[2][panel] - gained
         grown = growth(y)
@@ -672,7 +682,7 @@ def rules(ready):
 
     Plain Python takes the former as lists and asks `sine_rule` for the latter.
     """
-    shares, weights = rule(2 * PAIRS)
+    shares, weights = rule(2 * PANEL_PAIRS)
     if not ready:
         return [shares.tolist(), weights.tolist()], None, None
     squares = np.zeros((len(TERMS), TERMS[-1]))

@@ -45,7 +45,7 @@ NARROW = 0.03  # of the larger radius: an end as near to a node, or the inner eq
 CLOSE = 1e-5  # rad, short of what half a swing by a node turns: such ways need legs, too
 
 # Pairs of nodes of the quadrature, by how many fifths y grows along a way (`_stretched`): on all
-# tori so many that more change nothing, found by trial. They grow as exp(0.66 y), to a last number.
+# tori so many that more change roundings alone, found by trial. They grow about as exp(0.8 y).
 PAIRS = 4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 20, 24, 28
 FIFTHS = len(PAIRS)
 MOST_PAIRS, MOST_ON_RING = 48, 32
@@ -134,11 +134,7 @@ def ends_at(torus, a, b):
     middle, _ = sine_cosine((a + b) / 2)
     # As this product, sin^2(a/2) - sin^2(b/2) keeps its digits however near the ends are.
     apart = middle * sine
-    # The node of a horn isn't on its sheet. There math.pi falls short of pi, so that the formula
-    # leaves 1e-32 R.
-    node = torus.r == torus.R and a == math.pi
-    rho_a = 0.0 if node else distance(torus, sine_a, cosine_a)
-    rho_b = distance(torus, sine_b, cosine_b)
+    rho_a, rho_b = distance(torus, a, cosine_a), distance(torus, b, cosine_b)
     meridian = square_root(larger(rho_a, 0.0) / (2 * torus.R))
     # At x = X, on a ring, the geodesic winds towards the inner equator (k = 1, c = r - R); on a
     # spindle it is the meridian, through the node (c = 0).
@@ -148,12 +144,20 @@ def ends_at(torus, a, b):
     )
 
 
-def distance(torus, sine, cosine):
-    """Return the distance rho = r + R cos(phi) from the axis, by `sine` and `cosine` of phi / 2."""
-    # Beyond phi = 90 deg the difference to r + R would cancel, that to r - R doesn't.
-    if abs(sine) > abs(cosine):
-        return torus.r - torus.R + 2 * torus.R * (cosine * cosine)
-    return torus.r + torus.R - 2 * torus.R * (sine * sine)
+def distance(torus, phi, cosine):
+    """Return the distance rho from the axis at phi, in rad, from -pi to pi.
+
+    `cosine` is that of phi / 2.
+    """
+    _, level = sine_cosine(phi)
+    # Near phi = pi the sum of r and R cos(phi) cancels where r is about R: r - R and
+    # R (1 + cos(phi)) = 2 R cos^2(phi/2) keep the digits.
+    if level < -0.5:
+        # The node of a horn isn't on its sheet. There math.pi falls short of pi by what would
+        # leave 1e-32 R.
+        node = torus.r == torus.R and abs(phi) == math.pi
+        return 0.0 if node else torus.r - torus.R + 2 * torus.R * (cosine * cosine)
+    return torus.r + torus.R * level
 
 
 # ---- classes -----------------------------------------------------------------
@@ -343,7 +347,8 @@ def peaked(torus, ends, b, angle):
     One quadrature sees one peak, about t = 0. A second one is at the end b where a way has come
     round the outside and nears a node, or the inner equator, there. And the peak itself is too
     narrow where a way passes by a node as closely as only those do that turn by an `angle` next to
-    that of half a swing there. The torus, its ends and b are those of `outer`.
+    that of half a swing there. The torus, its ends and b are those of `outer`; a way of `inner`,
+    which goes round the other way, has a second peak where -b is such an end.
     """
     near = smaller(ends.rho_b, 2 * torus.R * (ends.cosine_b * ends.cosine_b))
     if b < 0 and near < NARROW * larger(torus.r, torus.R):
@@ -658,7 +663,8 @@ def find_root(torus, ends, b, angle, begin, family, rules, rows):
     length, c, cos_a, cos_b : float
         Length and Clairaut's constant, in m, and the cosines of both azimuths; else NaN.
     """
-    hard = family == OUTSIDE and peaked(torus, ends, b, angle)
+    # Over the inner equator a way comes to b from the other side.
+    hard = family <= INSIDE and peaked(torus, ends, b if family == OUTSIDE else -b, angle)
     u, scale, low = begin
     high, before = math.inf, 0.0
     way = way_of(family, torus, ends, u)

@@ -167,7 +167,7 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     geodesic : Geodesic
         Length, azimuths, Clairaut's constant, kind, certificate. Where an end isn't on the working
         sheet, r + R cos(phi) > 0, the kind is "none", the certificate empty, and the numbers are
-        NaN; all other ends have an answer.
+        NaN; all other ends have an answer, but for a few on rings wider than r / R = 1e11.
 
     Notes
     -----
