@@ -213,7 +213,7 @@ def geodesic_inverse(torus: Torus, p: Positions, q: Positions):
     >>> float(off.length), str(off.kind)
     (nan, 'none')
     """
-    p, q = np.broadcast_arrays(p, q)
+    p, q = (p, q) if p.shape == q.shape else np.broadcast_arrays(p, q)
     seconds = SECONDS[torus.r > torus.R]
     (found,) = _answers(find, "geodesics", 1, seconds, torus, p, q)
     return _geodesic(torus, p, q, found)
@@ -701,5 +701,5 @@ def _answers(work, kind, classes, seconds, torus, p, q):
 
     compiled.each_block(fill, len(ends), BLOCK if ready else PLAIN_BLOCK, kind)
     answers = answers.reshape(classes, 6, -1)
-    answers[:, [0, 3]] *= unit
+    answers[:, ::3] *= unit  # lengths and Clairaut's constants
     return answers
