@@ -92,6 +92,8 @@ class Lab:
         browser.open(address)
         browser.until("!!window.jupyterapp")
         browser.run("jupyterapp.restored.then(() => true)")
+        # The first page opens late, and would come before a notebook that is opened at once.
+        browser.until("[...jupyterapp.shell.widgets('main')].some(w => w.context?.isReady)")
 
     def open(self, path):
         """Open a notebook and wait for its kernel."""
