@@ -380,7 +380,7 @@ def point_at(orbit, rising, swings, t, sine, cosine):
 
 @cache
 def sine_rule(terms):
-    """Return sin^2 of nodes (terms,), and a matrix (terms, terms) that makes integrals of values.
+    """Return a list of sin^2 of nodes, and a matrix (terms, 1, terms): from values to integrals.
 
     It takes an integrand's values at nodes between 0 and pi/2 to the mean growth of its integral,
     and to the factors of sin(2 x), sin(4 x), .. that are added to it.
@@ -390,10 +390,11 @@ def sine_rule(terms):
     k = np.arange(terms)[:, None]
     j = np.arange(1, terms)
     turns = (j * (2 * k + 1) + 2 * terms) % (4 * terms) - 2 * terms
-    cosines = [[sine_cosine(turn * (math.pi / (2 * terms)))[1] for turn in row] for row in turns]
-    squares = [sine_cosine(turn * (math.pi / (4 * terms)))[0] ** 2 for turn in (2 * k + 1)[:, 0]]
+    cosines = [[sine_cosine(n * (math.pi / (2 * terms)))[1] for n in row] for row in turns.tolist()]
+    sines = [sine_cosine(n * (math.pi / (4 * terms)))[0] for n in range(1, 2 * terms, 2)]
     factors = np.array(cosines) / (j * terms)
-    return np.array(squares), np.concatenate([np.full((terms, 1), 1 / terms), factors], axis=1)
+    matrix = np.concatenate([np.full((terms, 1), 1 / terms), factors], axis=1)
+    return [sine * sine for sine in sines], matrix[:, None]
 
 
 def level_of(stretch):
@@ -418,8 +419,8 @@ def _add_sines(orbit, rules, values, series):
     node after the other, as the loops of `_in_loops` do; so the bits are the same.
     """
     squares, matrix = sine_rule(TERMS[orbit.level])
-    found = np.array([rates_in_x(orbit, square) for square in squares.tolist()])
-    series[0], series[1] = np.add.reduce(matrix[:, None] * found[..., None], axis=0).tolist()
+    found = np.array([rates_in_x(orbit, square) for square in squares])
+    series[0], series[1] = np.add.reduce(matrix * found[..., None], axis=0).tolist()
 
 
 def _in_loops(orbit, rules, values, series):
@@ -688,7 +689,8 @@ def rules(ready):
     squares = np.zeros((len(TERMS), TERMS[-1]))
     matrices = np.zeros((len(TERMS), TERMS[-1], TERMS[-1]))
     for level, terms in enumerate(TERMS):
-        squares[level, :terms], matrices[level, :terms, :terms] = sine_rule(terms)
+        squares[level, :terms], matrix = sine_rule(terms)
+        matrices[level, :terms, :terms] = matrix[:, 0]
     return np.stack([shares, weights]), squares, matrices
 
 
