@@ -357,6 +357,16 @@ def test_a_short_way_through_the_node_of_a_horn_counts_what_pi_is_more_than_its_
 
 def test_the_node_of_a_horn_is_no_place_on_its_sheet():
     check_no_answer(geodesic_inverse(Torus(1, 1), (0, 0.1), (1, np.pi)), 1)
+    assert np.isnan(geodesic_direct(Torus(1, 1), (0, np.pi), 0.5, 0.1).position).all()
+
+
+def test_the_rim_is_where_the_cosine_says():
+    with mp.workdps(40):
+        inside = 1e-3 + mp.cos(mpf(np.arccos(-1e-3))) > 0
+    found = geodesic_inverse(Torus(1e-3, 1), (0, np.arccos(-1e-3)), (1, 0))
+    assert (found.kind == "outer") == inside
+    beyond = geodesic_inverse(Torus(1e-100, 1), (0, np.nextafter(np.pi / 2, 4)), (1, 0))
+    check_no_answer(beyond, 1)
 
 
 def test_deviation_is_positive_to_the_left_of_the_way_as_seen_from_outside():
