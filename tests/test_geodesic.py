@@ -391,7 +391,7 @@ def test_few_nodes_are_as_good_as_many_on_ways_of_any_width(ratio):
         np.testing.assert_allclose(few[2], many_[2], rtol=1e-6, atol=1e-12)  # the rate only steers
 
 
-# By a peak that panels resolve as well: at the limit of each number of terms and in between.
+# Panels resolve wide peaks, too. The starts call for all numbers of terms but two at most.
 @pytest.mark.parametrize("ratio", [1e-3, 0.1, 0.25, 0.7, 0.95, 1, 1.05, 1.3, 3, 100])
 def test_series_of_sines_and_panels_agree(ratio, monkeypatch):
     rng, torus = np.random.default_rng(4), Torus(ratio, 1)
@@ -411,7 +411,7 @@ def test_series_of_sines_and_panels_agree(ratio, monkeypatch):
     assert np.all(off <= np.where(np.array(asked) > 0.2, 1e-14, 2e-13))
 
 
-# There two terms of the series have no slope, by which the search for the place begins.
+# The search for the place begins with two terms of the series, which have no slope there.
 @pytest.mark.parametrize("ratio, phi, azimuth, length", [
     (0.1, 1.46, 0.0931, 0.88708033585861), (0.5, 1.64, 0.0558, 1.082455190744864),
 ])  # fmt: skip
@@ -450,7 +450,7 @@ def test_geodesic_round_the_tube_of_a_ring_that_is_nearly_a_horn():
     assert way.position[1] == pytest.approx([float(c * turned), 5.5], rel=1e-14)
 
 
-# Both ends lie beside the inner equator of a ring: a way over it has a peak at either one.
+# Both ends lie beside the inner equator of a ring: a way over it has a peak at either end.
 @pytest.mark.parametrize("ratio, a, b, turn", [
     (1.0003922633924152, 3.1406578017600943, 3.141587822095486, 0.1962751115688386),
     (1.01, 3.1, 3.1, 0.3),

@@ -382,8 +382,8 @@ def point_at(orbit, rising, swings, t, sine, cosine):
 def sine_rule(terms):
     """Return a list of sin^2 of nodes, and a matrix (terms, 1, terms): from values to integrals.
 
-    It takes an integrand's values at nodes between 0 and pi/2 to the mean growth of its integral,
-    and to the factors of sin(2 x), sin(4 x), .. that are added to it.
+    The matrix takes an integrand's values at nodes between 0 and pi/2 to the mean growth of its
+    integral, and to the factors of sin(2 x), sin(4 x), .. that are added to it.
     """
     # The value at x = (k + 1/2) pi / (2 terms) adds 2 cos(2 j x) / terms to the factor of
     # cos(2 j x), half as much for j = 0; the integral of that cosine is sin(2 j x) / 2j.
