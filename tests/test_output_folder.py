@@ -318,6 +318,20 @@ def test_output_interrupted_at_random_leaves_one_run_whole(tmp_path):
     assert content(tmp_path) == {"cut": False} and whole(out) == "last"
 
 
+@pytest.mark.skipif(os.name != "posix", reason="SIGTERM")
+def test_cut_is_ended_by_sigterm_as_by_an_interrupt(tmp_path):
+    job = ROOT / "tunneller_lib" / "job" / "reference.toml"
+    process = subprocess.Popen([sys.executable, "-m", "tunneller_lib", "cut", job, "--out",
+                                tmp_path / "cut"], cwd=ROOT, text=True, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)  # fmt: skip
+    while "simulating" not in process.stderr.readline():
+        assert process.poll() is None
+    process.terminate()
+    _, told = process.communicate()
+    assert process.returncode == 130 and told.endswith("interrupted\n")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_cut_refuses_a_folder_before_it_plans_and_names_the_file(tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("mine")
     job = ROOT / "tunneller_lib" / "job" / "reference.toml"
