@@ -1,6 +1,5 @@
 """What a command leaves: one job's files whole, whatever happens to it; read back by others."""
 
-import os
 import re
 import shutil
 from hashlib import sha256
@@ -12,7 +11,7 @@ import pyvista
 from kit import figure
 from tests.examples.job import _JOB
 from tunneller_lib.__main__ import main
-from tunneller_lib.atomic_write import output, replacement
+from tunneller_lib.atomic_write import replacement
 from tunneller_lib.job import mesh, read_job, wall_plot
 from tunneller_lib.job.csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv
 from tunneller_lib.job.drawing import dxf
@@ -92,31 +91,11 @@ def test_later_run_takes_the_place_and_a_refused_one_leaves_it(jobs, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["cut"]
 
 
-@pytest.mark.parametrize("fails", [0, 1])
-@pytest.mark.parametrize("error", [KeyboardInterrupt, PermissionError])
-def test_exchange_that_fails_midway_keeps_the_earlier_run(
-    jobs, tmp_path, monkeypatch, fails, error
-):
-    shutil.copytree(jobs / "earlier", tmp_path / "cut")
-    rename, count = os.rename, iter(range(9))
-
-    def one(*paths):
-        if next(count) == fails:
-            raise error
-        rename(*paths)
-
-    monkeypatch.setattr("os.rename", one)
-    with pytest.raises(error), output(tmp_path / "cut") as new:
-        new.mkdir()
-    assert [path.name for path in tmp_path.iterdir()] == ["cut"]
-    assert told_by(tmp_path / "cut") == "earlier"
-
-
 CHANGES = {
-    "a note": lambda out: (out / "notes.txt").write_text("mine"),
-    "an edit": lambda out: (out / "budget.csv").write_text("mine"),
-    "a folder": lambda out: (out / "figures").mkdir(),
-    "no manifest": lambda out: (out / "manifest.txt").unlink(),
+    "notes.txt": lambda out: (out / "notes.txt").write_text("mine"),
+    "budget.csv": lambda out: (out / "budget.csv").write_text("mine"),
+    "figures": lambda out: (out / "figures").mkdir(),
+    "blocks.st": lambda out: (out / "manifest.txt").unlink(),  # the first, without a manifest
 }
 
 
@@ -127,17 +106,24 @@ def test_folder_that_holds_a_user_s_files_is_refused_and_stays(jobs, tmp_path, c
     CHANGES[change](out)
     before = {path: path.is_dir() or path.read_bytes() for path in out.iterdir()}
     assert cut(jobs, "later", out) == 2
-    assert "cut: holds what no run has left there; move that else" in capsys.readouterr().err
+    assert f"cut: holds {change}, which no run has left there" in capsys.readouterr().err
     assert {path: path.is_dir() or path.read_bytes() for path in out.iterdir()} == before
 
 
-def test_disk_that_takes_no_more_is_told_and_nothing_is_left(jobs, tmp_path, monkeypatch, capsys):
-    def full(*_):
+@pytest.mark.parametrize("name", ["wall.stl", "wall.png"])
+def test_disk_that_takes_no_more_is_told_and_nothing_is_left(
+    jobs, tmp_path, monkeypatch, capsys, name
+):
+    def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tunneller_lib.atomic_write.list_files", full)
+    drawing = "tunneller_lib.job.wall_plot.FigureCanvasAgg.print_png"
+    makers = {"wall.stl": ("tunneller_lib.job.results.stl", lambda *_: map(full, [0])),
+              "wall.png": (drawing, full)}  # fmt: skip
+    monkeypatch.setattr(*makers[name])
     assert cut(jobs, "later", tmp_path / "cut") == 2 and list(tmp_path.iterdir()) == []
-    assert capsys.readouterr().err.endswith("wrong: No space left on device.\n")
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert told == f"wrong: {tmp_path / 'cut' / name}: No space left on device."
 
 
 def test_replacement_leaves_the_old_file_if_the_new_one_fails(tmp_path):

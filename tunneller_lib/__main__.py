@@ -4,6 +4,7 @@ import argparse
 import json
 import math
 import os
+import signal
 import sys
 import time
 from importlib.resources import files
@@ -22,13 +23,15 @@ one: tunneller example > job.toml; tunneller cut job.toml. Progress goes to stde
 
 The exit code is 0 for success, even with warnings; 1 if a value of the job is refused, with the
 reason; 2 if a file can't be read or written, isn't TOML, or has a table or a name that is unknown
-or missing, or if a package is missing; 130 after an interrupt.
+or missing, or if a package is missing; 130 after an interrupt or SIGTERM.
 """
 PACKAGES = {"PIL": "pillow"}  # installed under another name than they are imported by
 
 
 def main(arguments=None):
     """Run the command that `arguments`, a list of str, names; return the process' exit code."""
+    if arguments is None:  # a program of its own, which SIGTERM ends as Ctrl-C does
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     whole = parser()
     options = whole.parse_args(arguments)
     if options.run is None:

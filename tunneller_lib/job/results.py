@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..atomic_write import writing
 from ..motion.export import line_c99, line_text
 from ..ream import budget, part_clearances
 from ..ream.margins import used
@@ -247,6 +248,6 @@ def write_all(job, cut, folder, numbers, say):
         content = make()
         if isinstance(content, str):
             content = [(STAMPED.get(file.suffix, "").format(job.stamp) + content).encode()]
-        with file.open("wb") as opened:
+        with writing(file), file.open("wb") as opened:
             opened.writelines(content)  # in blocks, since a wall may be large
     return files

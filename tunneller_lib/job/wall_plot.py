@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ..atomic_write import writing
 from .mesh import SCALAR
 
 ROOF = np.pi / 2  # rad, the angle of the roof, which is drawn in the middle
@@ -101,7 +102,8 @@ def write_drawing(path, figure, stamp):
     """Write a matplotlib figure to a PNG file with a stamp as its comment; return the path."""
     figure.set_dpi(DPI)
     # Not by savefig, which would draw twice, once for the layout.
-    FigureCanvasAgg(figure).print_png(path, metadata={"Comment": stamp})
+    with writing(path):
+        FigureCanvasAgg(figure).print_png(path, metadata={"Comment": stamp})
     return path
 
 
