@@ -175,7 +175,7 @@ def test_ground_that_is_cut_has_the_same_bits_both_ways(both_ways):
     circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
     concrete = Ground(20e6, 2.0, normal=0.5, ripple=0.3, ripple_frequency=12.0)
     limits = Limits(feed=0.1, acceleration=0.5, power=3000, ground=concrete)
-    made = plan(circuit, limits, tolerance=1e-3, laps=2, advance=0.04)
+    made = plan(circuit, limits, tolerance=1e-3, laps=2, advance=0.04, between="cutting")
     values, slopes = whole_run(made)
     first = int(made.entry.ticks.sum())
     step = first + int(made.ticks.sum()) - len(made.back) + 1

@@ -75,7 +75,7 @@ def test_force_that_is_found_more_often_and_closer_is_the_same(ground, normal, w
 def test_force_and_removed_volume_agree_in_every_tick():
     """Where it is cut evenly, where it bounces, and where the machine steps sideways."""
     ground = replace(CONCRETE, normal=1.0, ripple=0.9, ripple_frequency=12.0)
-    made = planned(ground, laps=2, advance=0.04)
+    made = planned(ground, laps=2, advance=0.04, between="cutting")
     values, slopes = whole_run(made)
     first = int(made.entry.ticks.sum())
     step = first + int(made.ticks.sum()) - len(made.back)
@@ -111,7 +111,7 @@ def test_ground_that_takes_no_work_changes_nothing():
 
 
 def test_ground_drags_a_stepping_cutter_back_along_the_tunnel():
-    made = planned(CONCRETE, laps=2, advance=0.04)
+    made = planned(CONCRETE, laps=2, advance=0.04, between="cutting")
     values, _ = whole_run(made)
     first = int(made.entry.ticks.sum())
     tick = first + int(made.ticks.sum()) - len(made.back) // 2  # amid the step towards -x
@@ -146,11 +146,12 @@ def test_side_of_the_ball_is_as_large_as_points_in_the_ground_count():
 
 
 def test_step_between_laps_keeps_the_power_and_the_volume():
-    made = planned(CONCRETE, laps=2, advance=0.04)
+    made = planned(CONCRETE, laps=2, advance=0.04, between="cutting")
     speed = np.diff(made.back).max() / TICK
     assert CONCRETE.power(side_area(CIRCUIT, 0.0)) * speed == pytest.approx(3000, rel=0.01)
     limits = replace(made.limits, volume=1e-5)
-    slow = plan(CIRCUIT, limits, tolerance=1e-3, laps=2, advance=0.04)
+    slow = plan(CIRCUIT, limits, tolerance=1e-3, laps=2, advance=0.04,
+                between="cutting")  # fmt: skip
     assert side_area(CIRCUIT, 0.0) * np.diff(slow.back).max() / TICK <= 1e-5 * (1 + 1e-9)
     # The wall says the same: what a step takes in a second, in a groove that is as deep as meant.
     wall = intact_wall(CIRCUIT, 0.3, 1.1, (400, 1500))

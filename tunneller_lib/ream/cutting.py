@@ -79,9 +79,9 @@ class Cut:
 
     @property
     def lap_deviations(self):
-        """Return the `deviation` (laps, ticks + 1) of each lap at the ticks of its plan, in m."""
-        ticks = int(self.plan.ticks.sum())
-        return self.deviation[ticks * np.arange(self.plan.laps)[:, None] + np.arange(ticks + 1)]
+        """Return a list of the `deviation` (ticks + 1,) of each lap at its ticks, in m."""
+        spans = zip(self.plan.begins, self.plan.ends, strict=True)
+        return [self.deviation[begin : end + 1] for begin, end in spans]
 
     @cached_property
     def overbreak(self):
@@ -115,12 +115,8 @@ class Cut:
     @property
     def lap_volumes(self):
         """Return the volume (laps,) removed in each lap and in the step before it, in m^3."""
-        every = int(self.plan.ticks.sum())
-        stepping = len(self.plan.back) - 1
-        first = (self.noted[:-1] + stepping) % every == 0
-        first &= self.noted[:-1] + stepping < every * self.plan.laps  # no lap follows the last one
-        first[0] = True
-        return np.add.reduceat(self.removed, np.flatnonzero(first))
+        first = np.searchsorted(self.noted, np.append(0, self.plan.steps))
+        return np.add.reduceat(self.removed, first)
 
 
 @checked
@@ -172,7 +168,7 @@ def simulate(
     check_ticks(plan, loop)
     setvalues, slopes = whole_run(plan)
     first = int(plan.entry.ticks.sum())
-    last = first + plan.laps * int(plan.ticks.sum())
+    last = first + int(plan.ends[-1])
     face = None
     if ground is not None:
         report = _progress(plan, say, first)
@@ -213,8 +209,15 @@ def _unstable(name, plant, loop, reached):
 
 def whole_run(plan):
     """Return the set-values (n + 1, 2) and slopes (n, 2) of entry, laps and exit in a row."""
+    runs = [plan.entry]
+    for lap in range(plan.laps):
+        if lap and plan.withdrawn:
+            still = np.array([0, len(plan.back) - 1])
+            runs += [plan.leave, replace(plan.leave, setpoints=plan.leave.setpoints[[-1, -1]],
+                                         ticks=still[1:]), plan.entry]  # fmt: skip
+        runs.append(plan.lap(lap))
+    runs.append(plan.leave)
     # Each run ends where the next begins, and the tick between them counts once.
-    runs = [plan.entry, *[plan] * plan.laps, plan.leave]
     setvalues = [run.setvalues for run in runs]
     return (
         np.concatenate([setvalues[0][:1], *(values[1:] for values in setvalues)]),
@@ -225,7 +228,7 @@ def whole_run(plan):
 @checked
 def carve(
     plan: Plan,
-    position: Run,
+    position: Run | None = None,
     *,
     pose: Pose | None = None,
     shape: Shape = (400, 720),
@@ -238,8 +241,9 @@ def carve(
     ----------
     plan : Plan
         The plan, for its machine, section, laps and advance.
-    position : (n, 2) float
-        Joint positions at every tick of all laps, or of one lap that is repeated, in rad.
+    position : (n, 2) float, optional
+        Joint positions at every tick of all laps, with what is between them; or of one lap, where
+        all are alike; in rad. By default all laps are exactly on the circuit.
     pose, shape, thickness, say
         As for `simulate`: a `Pose`, two numbers of rays, a length in m and a function.
 
@@ -254,13 +258,18 @@ def carve(
         If the positions aren't those of one lap or of all, or the cutter leaves the modelled
         ground.
     """
-    ticks = int(plan.ticks.sum())
-    if position.shape == (ticks + 1, 2):
-        position = np.concatenate([position[:1], np.tile(position[1:], (plan.laps, 1))])
-    if position.shape != (ticks * plan.laps + 1, 2):
+    first = int(plan.entry.ticks.sum())
+    every = whole_run(plan)[0][first : first + plan.ends[-1] + 1]
+    one = int(plan.ticks.sum()) + 1
+    if position is None or (position.shape == (one, 2) and plan.beside is None):
+        for lap, (begin, end) in enumerate(zip(plan.begins, plan.ends, strict=True)):
+            own = plan.circuit.position(plan.lap(lap).places) if position is None else position
+            every[begin : end + 1] = own
+        position = every
+    if position.shape != every.shape:
+        either = f"({one}, 2) for one lap or " if plan.beside is None else ""
         raise ValueError(
-            f"position: must be ({ticks + 1}, 2) for one lap or ({ticks * plan.laps + 1}, 2) for "
-            f"all; got {position.shape}."
+            f"position: must be {either}{every.shape} for all laps; got {position.shape}."
         )
     ends = position[:0], position[:0]
     return _carved(plan, position, ends, pose, shape, thickness, say)
@@ -295,29 +304,27 @@ def _centres(plan, position, ends, pose):
 
 def _noted(plan):
     """Return the ticks (k + 1,) of all laps at which the removed volume is noted."""
-    # Every lap and every step between laps ends at one of them.
-    ticks = int(plan.ticks.sum())
-    within = np.union1d(np.arange(0, ticks, CHUNK), [ticks - len(plan.back) + 1])
-    starts = ticks * np.arange(plan.laps)
-    return np.append(np.add.outer(starts, within[within < ticks]).ravel(), ticks * plan.laps)
+    # Every lap and every step between laps begins and ends at one of them.
+    ends = np.concatenate([plan.begins, plan.ends, plan.steps])
+    return np.union1d(np.arange(0, plan.ends[-1], CHUNK), ends)
 
 
 def _progress(plan, say, first=0):
     """Return a function that reports at ticks of a run whose first lap begins at tick `first`."""
-    lap = int(plan.ticks.sum())
     said = time.monotonic()
 
     def cut_to(tick):
         nonlocal said
         done = tick - first
-        within = done % lap
-        if say is None or not 0 < done <= lap * plan.laps:
+        if say is None or not 0 < done <= plan.ends[-1]:
             return
-        if within and time.monotonic() - said < SILENCE:
+        if done < plan.ends[-1] and time.monotonic() - said < SILENCE:
             return
         said = time.monotonic()
-        share = f", {100 * within // lap} % of it" if within else ""
-        say(f"cutting: lap {(done - 1) // lap + 1} of {plan.laps}{share}")
+        lap = int(np.searchsorted(plan.ends, done))
+        begin, end = plan.begins[lap], plan.ends[lap]
+        share = f", {100 * max(done - begin, 0) // (end - begin)} % of it" if done < end else ""
+        say(f"cutting: lap {lap + 1} of {plan.laps}{share}")
 
     return cut_to
 

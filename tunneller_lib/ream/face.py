@@ -46,11 +46,12 @@ from .outward import gradient
 from .wall import intact_wall
 
 BESIDE = 0.05  # m of ground beyond the planned positions, at each end
-CLOSE = 1e-3  # share by which the volume of the force may differ from the removed one
+CLOSE = 3e-3  # share by which the volume of the force may differ from the removed one
 HARDLY = 0.1  # of what a tick takes in whole grooves; CLOSE is a share of at least this
 CLOSED = 1e-9  # of the great circle: so narrow a bracket holds a jump, where rays come or go
 BOLD = 8  # tries by secants, after which the bracket is halved
 TOGETHER = 512  # ticks between two reports of progress
+TINY = 1e-30  # m
 FULL, TOO_HARD = 1, 2  # why a run stops: a ray needs another slot, a tick too many steps
 
 
@@ -110,11 +111,9 @@ class Face(Resistance):
         circuit = plan.circuit
         machine = circuit.machine
         ticks = np.arange(len(setvalues)) - first
-        lap = int(plan.ticks.sum())
-        inside = (ticks >= 0) & (ticks < lap * plan.laps)
-        places = np.where(inside, plan.places[ticks % lap], 0.0)
+        places = plan.run_places(ticks)
         self.torus = machine.torus
-        self.stepped = plan.stepped(np.clip(ticks, 0, lap * plan.laps))
+        self.stepped = plan.stepped(np.maximum(ticks, 0))
         corners = circuit.in_tunnel(np.concatenate([np.zeros((1, 3)), np.eye(3)]))
         if pose is not None:
             corners = pose.moved(corners, corners[0])
@@ -229,6 +228,7 @@ def run_in_ground(
         (states[0][10], states[0][11], states[0][12], states[0][13], states[0][14]),
     )
     here = centre(place, state, stepped[0])
+    slope = 0.0
     for n in range(len(slopes)):
         if resumed and n == 0:
             openings = (commands[0][0], commands[0][1])
@@ -236,7 +236,10 @@ def run_in_ground(
             openings = opened(
                 machine, controls, memories, first + n, state, setvalues[n], slopes[n]
             )
+        # The area goes on as it changed in the tick before.
         area = areas[n]
+        if n > 0:
+            area = min(max(2 * area - areas[n - 1], 0.0), whole)
         low = 0.0
         high = whole
         before = 0.0
@@ -260,12 +263,12 @@ def run_in_ground(
                 low = area
             else:
                 high = area
-            # The area that was swept; from the second try on a secant. Where neither is in the
-            # bracket, or both take too long, its middle.
-            last = area
-            area = volume / way if way > 0 else low
+            # A step by the secant, first by that of the ticks before. Where it leaves the bracket,
+            # or takes too long, the bracket's middle.
             if tries > 1 and miss != missed:
-                area = last - miss * (last - before) / (miss - missed)
+                slope = (miss - missed) / (area - before)
+            last = area
+            area = last - miss / slope if slope > 0 else volume / max(way, TINY)
             if not low < area < high or tries > BOLD:
                 area = (low + high) / 2
             before = last
