@@ -15,8 +15,11 @@ from ..motion.stability import gain_limit
 from ..ream import part_clearances
 from ..ream.face import BESIDE
 from ..ream.margins import JOINTS, PLACES
+from ..ream.wall import pass_distance, scallop_height, widest_advance
 from .reader import CYLINDERS, FEELING, HYDRAULICS, LENGTH, MOST_RAYS, TABLES, VALVE
 
+WARNED = 1 / 4  # of the depth of cut, a height of cusps that is worth a warning
+PLACES_OF_CUSPS = 4001  # of the circuit
 ACROSS = 4  # rays across a groove in whole ground, at least
 BESIDE_EACH_OTHER = 2  # rays along half of it round the tunnel, at least, on average
 SLOWER = 0.7 ** np.arange(1, 11)  # times the feed, as they are tried
@@ -243,20 +246,39 @@ def groove_of(machine):
 
 
 def _check_advance(job):
-    """Raise ValueError if all laps would cut the same groove."""
+    """Raise ValueError if all laps would cut the same groove, or leave ground between them."""
     plan = job.planned
-    if plan.laps > 1 and not plan.advance:
-        # Between passes a ball leaves cusps of advance^2 / (8 radius).
-        cusps = short(np.sqrt(8 * plan.circuit.machine.cutter_radius * job.plan["tolerance"]))
+    if plan.laps == 1:
+        return
+    depth = plan.circuit.machine.depth
+    if not plan.advance:
         raise ValueError(
             f"[plan] advance: must be above 0 for {plan.laps} laps, or all cut the same groove; "
-            f"got 0 m, {cusps:g} m would do."
+            f"got 0 m, {short(widest_advance(plan.circuit, job.plan['tolerance'])):g} m would do."
         )
+    tallest = tallest_cusp(plan)
+    if tallest >= depth:
+        key, would_do = "advance", short(widest_advance(plan.circuit, WARNED * depth))
+        if "cusp" in job.plan:
+            key, would_do = "cusp", short(WARNED * depth)
+        raise ValueError(
+            f"[plan] {key}: must leave cusps below the depth of cut {depth:g} m, or ground between "
+            f"the laps isn't touched; got {plan.advance:.3g} m between laps, which leaves "
+            f"{tallest:.2g} m, {would_do:g} m would do."
+        )
+
+
+def tallest_cusp(plan):
+    """Return the height of the tallest cusp between two laps of a plan, in m."""
+    s = np.linspace(0, plan.circuit.profile.perimeter, PLACES_OF_CUSPS)
+    radius = plan.circuit.machine.cutter_radius
+    pitch = np.minimum(pass_distance(plan.circuit, s, plan.advance), 2 * radius)
+    return float(scallop_height(radius, pitch).max())
 
 
 def _check_wall(job):
     """Raise ValueError if the rays of the wall are too far apart for its grooves, or too short."""
-    plan = job.planned
+    plan = job.told
     machine, section = plan.circuit.machine, plan.circuit.section
     groove = groove_of(machine)
     apart = min(groove / ACROSS, plan.advance or np.inf) if plan.laps > 1 else groove / ACROSS
@@ -310,10 +332,11 @@ def _warnings(job):
             f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
             "are all sizes in metres?"
         )
-    if plan.laps > 1 and plan.advance >= groove_of(plan.circuit.machine):
+    if plan.laps > 1 and tallest_cusp(plan) > WARNED * depth:
+        would_do = short(widest_advance(plan.circuit, WARNED * depth))
         found.append(
-            f"[plan] advance: {plan.advance:g} m is more than a groove is wide, "
-            f"{groove_of(plan.circuit.machine):.2g} m; ground stands between the laps."
+            f"[plan] advance: {plan.advance:.3g} m leaves cusps of {1e3 * tallest_cusp(plan):.2g} "
+            f"mm, more than a quarter of the depth of cut; {would_do:g} m would leave a quarter."
         )
     if job.error is not None:
         arm_radius = job.plan.get("arm_radius", 0.0)

@@ -6,6 +6,7 @@ Names, types and units are checked here; the classes that take the numbers check
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from ..paths.circuit import Circuit
 from ..ream import Limits, Pose, plan, simulate
 from ..ream.cutting import whole_run
 from ..ream.margins import capability, chatter_margins
+from ..ream.planning import SIMULATED, Between
+from ..ream.wall import widest_advance
 from ..removal import Ground
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
 from .tables import (
@@ -113,6 +116,10 @@ PLAN = {
     "rest": Size("s", 0, 60),
     "laps": WHOLE,
     "advance": Size("m", 0, 2),
+    "cusp": Size("m", 0, 0.1),
+    "between": TEXT,
+    "length": Size("m", 1e-3, 1e5),
+    "stand": Size("s", 0, 1e6),
     "arm_radius": Size("m", 0, 5),
     "path": TEXT,
 }
@@ -126,6 +133,7 @@ WALL = {"along": WHOLE, "around": WHOLE, "thickness": Size("m", 1e-3, 2)}
 # Of what another value may be proposed.
 TABLES = {"limits": LIMITS, "hydraulics": HYDRAULICS, "plan": PLAN, "controller": CONTROLLER}
 MOST_RAYS = 4_000_000  # of a wall; with all that is made of them they take 2 GB
+BETWEEN = get_args(Between)
 VALVE = 0.8  # of the open valve, the default limit of a plan in ground
 FULL_SPEED = 0.4  # m/s of the cutter at the end of the arm, of the models that have no cylinder
 USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, the defaults of `ream.plan`
@@ -273,7 +281,36 @@ class Job:
         with said_of("limits"):
             limits = Limits(**bounds)
         with said_of("plan"):
-            return plan(circuit, limits, **self.plan)
+            return plan(circuit, limits, **self._options)
+
+    @property
+    def _options(self):
+        """Return the arguments of `ream.plan`: a cusp gives the advance, a length the laps."""
+        options = {name: value for name, value in self.plan.items() if name != "stand"}
+        if "between" in options:
+            one_of("[plan] between", options["between"], BETWEEN)
+        for one, other in (("cusp", "advance"), ("length", "laps")):
+            if one in options and other in options:
+                raise ValueError(f"{one}: stands in the place of {other}; got both, one would do.")
+        if "cusp" in options:
+            options["advance"] = widest_advance(self.circuit, options.pop("cusp"))
+        if "length" in options:
+            if not options.get("advance"):
+                raise ValueError("length: needs an advance or a cusp above 0; got none.")
+            steps = np.ceil(options.pop("length") / options["advance"] - 1e-9)
+            options["laps"] = 1 + int(steps)
+        return options
+
+    @cached_property
+    def duration(self):
+        """Return the time of the whole job in s, with a new stand of the machine at each step."""
+        plan = self.planned
+        return plan.times["all"] + self.plan.get("stand", 0.0) * (plan.laps - 1)
+
+    @cached_property
+    def told(self):
+        """Return the `Plan` of the laps that are simulated: the first one, and two more."""
+        return replace(self.planned, laps=min(self.planned.laps, SIMULATED))
 
     @cached_property
     def in_air(self):
@@ -334,7 +371,7 @@ class Job:
         shape = self.wall["along"], self.wall["around"]
         about = {"pose": self.error, "arm": self.arm, "ground": self.pushing}
         about |= {"shape": shape, "thickness": self.wall["thickness"], "say": say}
-        return simulate(self.planned, *self.axes, **about)
+        return simulate(self.told, *self.axes, **about)
 
 
 @checked

@@ -21,6 +21,7 @@ from .planning import Plan, Run
 from .pose import Pose
 from .wall import intact_wall, overbreak, standing
 
+UNTOUCHED = 0.999  # share of the depth of cut: ground that stands farther in isn't cut
 CHUNK = 48  # ticks after which the removed volume is noted
 SILENCE = 5.0  # s, the shortest time between two reports of progress within a lap
 Cost = Whole(1, 2**31 - 1)
@@ -106,6 +107,20 @@ class Cut:
         first = np.interp(np.arctan2(lines.sin, lines.cos), angle, x, period=2 * np.pi)
         last = first - self.plan.advance * (self.plan.laps - 1)
         return (last <= lines.x[:, None]) & (lines.x[:, None] <= first)
+
+    @cached_property
+    def reached(self):
+        """Return the overbreak (k,) of the wall that the laps leave, in m.
+
+        Of several laps it is that on all rays between the bottoms of the first and of the last
+        groove, cusps included; of a single lap that of its bottom.
+        """
+        return self.overbreak[self.reamed] if self.plan.laps > 1 else self.around
+
+    @property
+    def untouched(self):
+        """Return the share of the wall that the laps leave on which nothing is cut."""
+        return float(np.mean(self.reached < -UNTOUCHED * self.plan.circuit.machine.depth))
 
     @property
     def rate(self):
