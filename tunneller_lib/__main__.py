@@ -131,6 +131,7 @@ def parser():
     cut = command("cut", run_cut, "plan and simulate a cut; write its error budget and files")
     cut.add_argument("job", type=Path, help="the TOML file, or - for standard input")
     cut.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
+    cut.add_argument("--stl", action="store_true", help="write the wall as a mesh, too")
     cut.add_argument("--dry-run", action="store_true", help="plan and check; simulate nothing")
     cut.add_argument(
         "--json",
@@ -162,11 +163,13 @@ def simulated(job):
     import numpy as np
 
     start = time.monotonic()
-    say(f"simulating {job.planned.laps} x {job.planned.ticks.sum()} ticks ...")
+    plan = job.told
+    some = f"{plan.laps} of {job.planned.laps} laps" if plan.laps < job.planned.laps else "all laps"
+    say(f"simulating {some}, {plan.ends[-1]} ticks ...")
     cut = job.simulated(say)
     say(
-        f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
-        f"{1e3 * np.abs(cut.deviation).max():.2f} mm"
+        f"simulated in {time.monotonic() - start:.0f} s; the wall is off by at most "
+        f"{1e3 * np.abs(cut.reached).max():.2f} mm"
     )
     return cut
 
@@ -190,7 +193,7 @@ def run_cut(options):
         numbers = summarise(job, cut, say)
         if not options.json:
             tell(summary_text(numbers) + "\n")
-        files = write_all(job, cut, new, numbers, say)
+        files = write_all(job, cut, new, numbers, say, mesh=options.stl)
         files += draw_wall(job, cut, new / "wall.png")
         files.append(list_files(new, job.stamp))
     warn(numbers)

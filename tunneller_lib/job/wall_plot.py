@@ -93,7 +93,9 @@ def draw_laps(ax, cut, *, tolerance):
     lines = ax.plot(plan.places, 1e3 * deviations[0], color=FIRST, lw=0.8, label="lap 1")
     if plan.laps > 1:
         beside = f"lap {plan.laps}, beside another"
-        lines += ax.plot(plan.lap(-1).places, 1e3 * deviations[-1], color=LAST, lw=0.8, label=beside)
+        lines += ax.plot(
+            plan.lap(-1).places, 1e3 * deviations[-1], color=LAST, lw=0.8, label=beside
+        )
     for side in (-1e3, 1e3):
         ax.axhline(side * tolerance, color=LIMITS, lw=0.5, ls="--")
     ax.set(xlabel="place along the offset section / m", ylabel="overbreak / mm")
