@@ -131,7 +131,6 @@ def parser():
     cut = command("cut", run_cut, "plan and simulate a cut; write its error budget and files")
     cut.add_argument("job", type=Path, help="the TOML file, or - for standard input")
     cut.add_argument("--out", type=Path, metavar="FOLDER", help="under build/ by default")
-    cut.add_argument("--stl", action="store_true", help="write the wall as a mesh, too")
     cut.add_argument("--dry-run", action="store_true", help="plan and check; simulate nothing")
     cut.add_argument(
         "--json",
@@ -153,7 +152,6 @@ def planned(options):
     job = read_job(options.job)
     say("planning ...")
     plan = job.planned
-    job.checked  # noqa: B018
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
     return job
 
@@ -163,13 +161,11 @@ def simulated(job):
     import numpy as np
 
     start = time.monotonic()
-    plan = job.told
-    some = f"{plan.laps} of {job.planned.laps} laps" if plan.laps < job.planned.laps else "all laps"
-    say(f"simulating {some}, {plan.ends[-1]} ticks ...")
+    say(f"simulating {job.planned.laps} x {job.planned.ticks.sum()} ticks ...")
     cut = job.simulated(say)
     say(
-        f"simulated in {time.monotonic() - start:.0f} s; the wall is off by at most "
-        f"{1e3 * np.abs(cut.reached).max():.2f} mm"
+        f"simulated in {time.monotonic() - start:.0f} s; the cutter is off by at most "
+        f"{1e3 * np.abs(cut.deviation).max():.2f} mm"
     )
     return cut
 
@@ -183,7 +179,6 @@ def run_cut(options):
         numbers = plan_numbers(planned(options))
         if not options.json:
             tell(plan_text(numbers))
-        warn(numbers)
         return {**numbers, "files": []} if options.json else None
     # A job's name may be - or dots alone, which would name another folder.
     folder = options.out or Path("build", options.job.stem.strip(".-") or "job")
@@ -193,17 +188,12 @@ def run_cut(options):
         numbers = summarise(job, cut, say)
         if not options.json:
             tell(summary_text(numbers) + "\n")
-        files = write_all(job, cut, new, numbers, say, mesh=options.stl)
+        files = write_all(job, cut, new, numbers, say)
         files += draw_wall(job, cut, new / "wall.png")
         files.append(list_files(new, job.stamp))
-    warn(numbers)
-    return {**numbers, "files": [str(folder / file.name) for file in files]}
-
-
-def warn(numbers):
-    """Say the warnings among a command's numbers."""
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
+    return {**numbers, "files": [str(folder / file.name) for file in files]}
 
 
 def draw_wall(job, cut, path):

@@ -28,7 +28,7 @@ shape = "egg"
 a = 0.5
 
 [limits]
-feed = 0.3
+feed = 1.0
 acceleration = 20
 
 [plan]
@@ -46,8 +46,8 @@ delay = 1
 trip = 1
 
 [wall]
-along = 20
-around = 48
+along = 4
+around = 12
 """,
     encoding="utf-8",
 )

@@ -41,50 +41,25 @@ def knots_csv(plan):
 
 
 def setpoints_csv(plan):
-    """Return the setpoints of the laps: ticks of the move to each, time, feed and position.
+    """Return the setpoints of a lap: ticks of the move to each, time, feed and position.
 
-    The rows of lap 1 come first, then, if there are several, those of lap 2, as which all others
-    are. The first row of each, with no ticks, is its begin; `motion.polyline` makes the set-values.
+    The first row, with no ticks, is the lap's begin; `motion.polyline` makes the set-values.
     """
-    return _columns(_by_lap(plan, _setpoints))
-
-
-def _setpoints(lap):
-    ticks = np.append(0, lap.ticks)
-    theta, phi = lap.parts.T
-    return {
-        "setpoint": np.arange(len(ticks)),
-        "ticks": ticks,
-        "time_s": (lap.tick * np.cumsum(ticks)).round(9),
-        "feed_m_s": lap.feed,
-        "theta_parts": theta,
-        "phi_parts": phi,
-    }
+    ticks = np.append(0, plan.ticks)
+    setpoints = {"setpoint": range(len(ticks)), "ticks": ticks}
+    setpoints["time_s"] = (plan.tick * np.cumsum(ticks)).round(9)
+    theta, phi = plan.parts.T
+    return _columns({**setpoints, "feed_m_s": plan.feed, "theta_parts": theta, "phi_parts": phi})
 
 
 def setvalues_csv(plan):
-    """Return the set-values of the laps: ticks, times, exact slopes and whole counts.
+    """Return the set-values of a lap: ticks, times, exact slopes and whole counts.
 
-    A slope is that of the exact line from this tick to the next; the counts round that line. Laps
-    are as in `setpoints_csv`.
+    A slope is that of the exact line from this tick to the next; the counts round that line.
     """
-    return _columns(_by_lap(plan, _setvalues))
-
-
-def _setvalues(lap):
-    theta, phi = np.rint(lap.setvalues / lap.count).astype(np.int64).T
+    theta, phi = np.rint(plan.setvalues / plan.count).astype(np.int64).T
     ticks = np.arange(len(theta))
-    slopes = np.concatenate([lap.slopes, np.zeros((1, 2))]).T
-    found = {"tick": ticks, "time_s": (lap.tick * ticks).round(9)}
+    slopes = np.concatenate([plan.slopes, np.zeros((1, 2))]).T
+    found = {"tick": ticks, "time_s": (plan.tick * ticks).round(9)}
     found |= zip(("theta_slope_rad_s", "phi_slope_rad_s"), slopes, strict=True)
-    return found | {"theta_counts": theta, "phi_counts": phi}
-
-
-def _by_lap(plan, columns):
-    """Return the columns of the first lap and of one beside it, behind the number of the lap."""
-    laps = [plan] if plan.laps == 1 else [plan, plan.lap(1)]
-    found = []
-    for number, lap in enumerate(laps, start=1):
-        own = columns(lap)
-        found.append({"lap": np.full(len(own["time_s"]), number)} | own)
-    return {name: np.concatenate([one[name] for one in found]) for name in found[0]}
+    return _columns({**found, "theta_counts": theta, "phi_counts": phi})

@@ -3,26 +3,24 @@
 import numpy as np
 
 from ..atomic_write import writing
-from ..ream import budget
-from ..ream.front import groove_areas
+from ..motion.export import line_c99, line_text
+from ..ream import budget, part_clearances
 from ..ream.margins import used
-from ..ream.wall import lap_volume
+from .controller import program
 from .controller_texts import c99_header, c99_text, plcopen_xml
 from .csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv, table
 from .drawing import dxf
 from .mesh import stl, wall_solid
 from .remedies import halved_by
 
-PLACES = 2000  # of a circuit, at which the ground of a lap is summed
 SEVERAL = 3  # times the tolerance, above which an over- or underbreak is worth a warning
 FAULT = "source", "over_m", "under_m", "rms_m", "measure", "closed_m", "ratio"
-HALVED = "halved_by", "factor"
+HALVED = "halved_by", "factor", "left"
 LAP = "lap", "over_m", "under_m", "removed_m3"
 CLEARANCE = "part", "clearance_m", "at_m"
 MARGIN = "what", "has", "needs", "unit"
 # The kinds of faults, as people read them.
-DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "paper": "method",
-          "instead": "in its place"}  # fmt: skip
+DUE_TO = {"chosen": "your choice", "machine": "machine", "ground": "ground", "paper": "method"}
 # The first line of a text, which says of which job it is; a table has nothing but rows.
 STAMPED = {".st": "(* {} *)\n", ".xml": "<!-- {} -->\n", ".dxf": "999\n{}\n"}
 STAMPED |= dict.fromkeys((".c", ".h"), "/* {} */\n")
@@ -31,31 +29,17 @@ STAMPED |= dict.fromkeys((".c", ".h"), "/* {} */\n")
 def plan_numbers(job):
     """Return the numbers of a planned `Job`, in SI units, ready for JSON."""
     plan = job.planned
-    first, beside = _closed_volumes(plan)
     return {
         "knots": len(plan.knots),
         "setpoints": len(plan.s) - 1,
         "ticks": int(plan.ticks.sum()),
         "laps": plan.laps,
-        "length_m": plan.advance * (plan.laps - 1),
         "lap_time_s": plan.lap_time,
         "times_s": plan.times,
-        "duration_s": job.duration,
-        "removed_m3": first + beside * (plan.laps - 1),
         "limits_used": plan.shares,
         "machine": [dict(zip(MARGIN, margin, strict=False)) for margin in job.margins],
         "clearances": [dict(zip(CLEARANCE, part, strict=True)) for part in plan.clearances],
-        "warnings": job.checked,
     }
-
-
-def _closed_volumes(plan):
-    """Return the closed forms of what the first lap and one beside another remove, in m^3."""
-    circuit = plan.circuit
-    ends = np.linspace(0, circuit.profile.perimeter, PLACES + 1)
-    middle = (ends[1:] + ends[:-1]) / 2
-    whole = float(np.mean(groove_areas(circuit, middle)) * circuit.profile.perimeter)
-    return whole, lap_volume(circuit, plan.advance) if plan.laps > 1 else 0.0
 
 
 def summarise(job, cut, say=None):
@@ -66,49 +50,50 @@ def summarise(job, cut, say=None):
     plan = job.planned
     found = budget(plan, *job.axes, pose=job.error, arm=job.arm, ground=job.pushing, say=say)
     faults = []
-    for f, remedy in zip(found, halved_by(job, found), strict=True):
+    for f, remedy in zip(found, halved_by(job, found, say), strict=True):
         row = f.source, f.over, f.under, f.rms, f.measure, f.closed, f.ratio
         halved = dict(zip(HALVED, remedy, strict=True))
         faults.append(dict(zip(FAULT, row, strict=True)) | halved | {"kind": f.kind})
-    beside = [*used(job.told, job.axes[0], cut, job.sizes), *job.in_step]
+    beside = [*used(plan, job.axes[0], cut, job.sizes), *job.in_step]
     numbers = plan_numbers(job)
     # On entry and exit an overshoot counts; being short of the wall is no underbreak there.
     sides = np.concatenate([cut.before, cut.after])[:, 1:]
-    past = float(np.max(-plan.circuit.profile.depth(*sides.T), initial=0.0))
-    over = max(0.0, float(cut.reached.max()), past)
-    under = max(float(-cut.reached.min()), 0.0)
-    # The laps that weren't simulated remove as much as the last one that was.
-    removed = float(cut.removed.sum()) + cut.plunged
-    removed += (plan.laps - cut.plan.laps) * float(cut.lap_volumes[-1])
+    over = max(0.0, float(cut.deviation.max()))
+    over = max(over, float(np.max(-plan.circuit.profile.depth(*sides.T), initial=0.0)))
+    under = max(float(-cut.deviation.min()), 0.0)
     return {
         **numbers,
         "machine": numbers["machine"] + [dict(zip(MARGIN, one, strict=False)) for one in beside],
-        "removed_m3": removed,
+        "removed_m3": float(cut.removed.sum()) + cut.plunged,
         "overbreak_m": over,
         "underbreak_m": under,
-        "untouched_share": cut.untouched,
         "each_lap": _laps(cut),
         "saturated_share": cut.track.saturated_share.tolist(),
         "faults": faults,
-        "warnings": [*job.checked, *_warnings(job, cut, over, under), *_strained(cut)],
+        "warnings": [*_warnings(job, over, under), *_colliding(job), *_strained(job, cut)],
     }
 
 
 def _laps(cut):
-    """Return a row for each simulated lap: what its groove's bottom leaves, and its volume."""
+    """Return a row for the first lap of a cut and, if there are several, one for the last."""
     found = []
-    for lap, off in enumerate(cut.lap_deviations):
+    for lap in sorted({0, cut.plan.laps - 1}):
+        off = cut.lap_deviations[lap]
         sizes = max(off.max(), 0.0), max(-off.min(), 0.0), cut.lap_volumes[lap]
         found.append(dict(zip(LAP, (lap + 1, *map(float, sizes)), strict=True)))
     return found
 
 
-def _warnings(job, cut, over, under):
+def _warnings(job, over, under):
     """Return sentences about results so large that the job may contain a mistake."""
+    depth = job.machine["depth"]
     tolerance = job.plan["tolerance"]
     found = []
-    if cut.untouched:
-        found.append(f"{100 * cut.untouched:.2g} % of the wall between the laps isn't cut at all.")
+    if tolerance >= depth:
+        found.append(
+            f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
+            "are all sizes in metres?"
+        )
     for name, worst in (("over", over), ("under", under)):
         if worst > SEVERAL * tolerance:
             found.append(
@@ -118,9 +103,29 @@ def _warnings(job, cut, over, under):
     return found
 
 
-def _strained(cut):
-    """Return sentences about valves that were fully open."""
-    found = []
+def _colliding(job):
+    """Return sentences about parts that are in the wall in the machine's real pose."""
+    if job.error is None:
+        return []
+    arm_radius = job.plan.get("arm_radius", 0.0)
+    parts = part_clearances(job.planned.circuit, arm_radius, pose=job.error)
+    return [
+        f"the machine's {part.name} {part.depth_in_wall}, where it stands by [pose]."
+        for part in parts
+        if part.collides
+    ]
+
+
+def _strained(job, cut):
+    """Return sentences about what the machine lacks, and about ground that isn't felt."""
+    found = [str(margin) for margin in job.margins if not margin.enough]
+    if job.ground and job.pushing is None:
+        found.append(
+            '[ground]: only limits the feed, since only plant = "T3" feels its force; the wall\'s '
+            "error lacks it."
+        )
+    if not job.ground and job.controller["plant"] == "T3":
+        found.append("[ground]: is missing, so that nothing pushes back on the axes.")
     for joint, share in zip(("theta", "phi"), cut.track.saturated_share, strict=True):
         if share > 0:
             found.append(
@@ -134,7 +139,7 @@ def _lap_line(row):
     """Return a line about what a lap leaves and removes."""
     which = "lap 1, in whole ground" if row["lap"] == 1 else f"lap {row['lap']}, beside another"
     return (
-        f"{which}: at its bottom overbreak {1e3 * row['over_m']:.2f} mm, underbreak "
+        f"{which}: overbreak {1e3 * row['over_m']:.2f} mm, underbreak "
         f"{1e3 * row['under_m']:.2f} mm, {1e3 * row['removed_m3']:.2f} l"
     )
 
@@ -145,7 +150,7 @@ def plan_text(numbers):
     used = ((name.replace("_", " "), share) for name, share in numbers["limits_used"].items())
     lines = [
         f"{numbers['knots']} knots, {numbers['setpoints']} setpoints, {numbers['ticks']} ticks",
-        _time_line(numbers),
+        f"{numbers['laps']} x {numbers['lap_time_s']:.1f} s",
         "time in s: " + _listed(numbers["times_s"].items(), ".2f"),
         "limits used: " + ", ".join(f"{name} {100 * share:.0f} %" for name, share in used if share),
         "clear of the wall, in mm: "
@@ -156,7 +161,7 @@ def plan_text(numbers):
         lines += ["", "the machine            has      needs"]
     for row in numbers["machine"]:
         lines.append(
-            f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}".rstrip()
+            f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}"
             + ("" if row["has"] > row["needs"] else ", less than needed")
         )
     if any(row["what"].startswith("in step") for row in numbers["machine"]):
@@ -165,18 +170,6 @@ def plan_text(numbers):
             "has less would chatter at any feed; the budget assumes that picks aren't in step",
         ]
     return "\n".join(lines)
-
-
-def _time_line(numbers):
-    """Return a line about the laps, the length of sewer, the time and the ground of a job."""
-    laps = f"1 lap of {numbers['lap_time_s']:.1f} s"
-    if numbers["laps"] > 1:
-        beside = numbers["times_s"].get("beside", numbers["lap_time_s"])
-        laps += f" and {numbers['laps'] - 1} beside others of {beside:.1f} s"
-        laps += f", {numbers['length_m']:.4g} m"
-    duration = numbers["duration_s"]
-    taken = f"{duration / 3600:.2f} h" if duration > 600 else f"{duration:.1f} s"
-    return f"{laps}: {taken} in all, {1e3 * numbers['removed_m3']:.4g} l of ground"
 
 
 def _listed(pairs, form):
@@ -190,46 +183,45 @@ def summary_text(numbers):
     lines = [
         plan_text(numbers),
         "",
-        # To a hundredth: force and motion agree to less than 1 %, and one count moves 1e-3 mm.
-        f"the wall: overbreak {1e3 * numbers['overbreak_m']:.2f} mm, underbreak "
-        f"{1e3 * numbers['underbreak_m']:.2f} mm",
+        # To a hundredth: force and motion agree to 1 %, and one count read otherwise moves 1e-3 mm.
+        f"all together: overbreak {1e3 * numbers['overbreak_m']:.2f} mm, underbreak "
+        f"{1e3 * numbers['underbreak_m']:.2f} mm, {1e3 * numbers['removed_m3']:.2f} l removed",
         *(_lap_line(row) for row in numbers["each_lap"]),
         "time with a valve fully open: "
         + ", ".join(f"{joint} {100 * share:.2g} %" for joint, share in valves),
         "",
         "each alone, in mm     over   under     rms   closed form     ratio  halved by"
-        "                 due to",
+        "                 left  due to",
     ]
     for fault in numbers["faults"]:
         over, under, rms = (1e3 * fault[f"{k}_m"] for k in ("over", "under", "rms"))
-        form = ratio = knob = "-"
+        form = ratio = knob = left = "-"
         if fault["closed_m"] is not None:
             form = f"{1e3 * fault['closed_m']:8.4f} {fault['measure']}"
         if fault["ratio"] is not None:
             ratio = f"{fault['ratio']:.2f}"
         if fault["halved_by"] is not None:
             knob = f"{fault['halved_by']} x {fault['factor']:.2f}"
+            left = f"{fault['left']:.2f}"
         lines.append(
             f"  {fault['source']:15s} {over:8.3f}{under:8.3f}{rms:8.4f} {form:17s}{ratio:>5s}  "
-            f"{knob:26s}{DUE_TO[fault['kind']]}"
+            f"{knob:26s}{left:6s}{DUE_TO[fault['kind']]}"
         )
     lines += [
         "A ratio is simulated over closed form, which is for slow, small motions.",
-        "What halves a source is that key of the job times the factor, by the power with which its",
-        "closed form goes with it; - means that no key is known to. Joint lines are no part of the",
-        "wall: they would leave this in the place of knots and path.",
+        "What halves a source was simulated: with that key of the job times the factor, the given",
+        "share is left; - means that none of the keys tried leaves 0.4 to 0.6.",
     ]
     return "\n".join(lines)
 
 
-def write_all(job, cut, folder, numbers, say, *, mesh=False):
+def write_all(job, cut, folder, numbers, say):
     """Write the files of a job and its cut, without pictures, into a new `folder`.
 
-    Return their paths. The controller's are left out if it can't keep the plan, the wall as a mesh
-    unless it is asked for. The `numbers` are those of `summarise`; `say` gets the files' names.
+    Return their paths. The `numbers` are those of `summarise`; `say` gets the files' names.
     """
     plan = job.planned
-    controller = job.exported.program
+    controller = program(plan, job)
     section = plan.circuit.section
     wall = section.offset(-plan.circuit.machine.depth)
     curves = {"SECTION": section, "WALL": wall, "CENTRE": plan.circuit.profile}
@@ -239,18 +231,16 @@ def write_all(job, cut, folder, numbers, say, *, mesh=False):
         "knots.csv": lambda: knots_csv(plan),
         "setpoints.csv": lambda: setpoints_csv(plan),
         "setvalues.csv": lambda: setvalues_csv(plan),
+        "line.st": lambda: line_text(parts=1),
+        "line.c": line_c99,
+        "controller.h": lambda: c99_header(controller),
+        "controller.c": lambda: c99_text(controller),
+        "controller.st": lambda: controller.text,
+        "blocks.st": lambda: controller.blocks,
+        "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
+        "wall.stl": lambda: stl(*wall_solid(cut.wall), job.stamp),
     }
-    if mesh:
-        makers["wall.stl"] = lambda: stl(*wall_solid(cut.wall), job.stamp)
-    if controller:
-        makers |= {
-            "controller.h": lambda: c99_header(controller),
-            "controller.c": lambda: c99_text(controller),
-            "controller.st": lambda: controller.text,
-            "blocks.st": lambda: controller.blocks,
-            "controller.xml": lambda: plcopen_xml(controller),
-        }
     folder.mkdir(parents=True)
     files = [folder / name for name in makers]
     for file, make in zip(files, makers.values(), strict=True):

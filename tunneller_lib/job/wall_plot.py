@@ -5,23 +5,20 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..atomic_write import writing
-from ..ream.cutting import UNTOUCHED
 from .mesh import SCALAR
 
 ROOF = np.pi / 2  # rad, the angle of the roof, which is drawn in the middle
 SAMPLES = 3601  # of the section, between which arc lengths are interpolated
 DPI = 200  # the pictures are 6.3 inches wide
 TUNNEL, FIRST, LAST, LIMITS = "#C9C2B8", "#C42A52", "#222222", "#4D4D4D"
+WHOLE = 0.999  # share of the depth of cut: ground that stands farther in is untouched
 
 
 def write_pictures(job, cut, wall, laps):
     """Write the unrolled wall of a job's cut and its laps to PNG files; return their paths."""
     figure = Figure(figsize=(6.3, 3.6), layout="constrained")
     tolerance = job.plan["tolerance"]
-    # The colours go as far as the wall does, and at least a little beyond the tolerance.
-    cut_ground = cut.reached[cut.reached > -UNTOUCHED * cut.plan.circuit.machine.depth]
-    limit = max(1.5 * tolerance, float(np.abs(cut_ground).max(initial=0.0)))
-    draw_unrolled(figure.subplots(), cut, limit=limit)
+    draw_unrolled(figure.subplots(), cut, limit=1.5 * tolerance)
     write_drawing(wall, figure, job.stamp)
     figure = Figure(figsize=(6.3, 2.4), layout="constrained")
     draw_laps(figure.subplots(), cut, tolerance=tolerance)
@@ -49,7 +46,7 @@ def draw_unrolled(ax, cut, *, limit):
     along = _from_roof(cut.plan.circuit.section, np.arctan2(lines.sin, lines.cos))
     order = np.argsort(along)
     over = cut.overbreak[:, order]
-    untouched = over < -UNTOUCHED * cut.plan.circuit.machine.depth
+    untouched = over < -WHOLE * cut.plan.circuit.machine.depth
     ax.set_facecolor(TUNNEL)
     ax.set(xlabel="along the section from the roof / m (right)", ylabel="along the tunnel / m")
     millimetres = np.ma.masked_where(untouched, 1e3 * over)
@@ -82,20 +79,18 @@ def draw_laps(ax, cut, *, tolerance):
     --------
     >>> from types import SimpleNamespace as Made
     >>> for laps in (1, 2):
-    ...     plan = Made(places=[0.0, 1.0], laps=laps, lap=lambda number: plan)
-    ...     cut = Made(plan=plan, lap_deviations=np.zeros((laps, 2)))
+    ...     cut = Made(plan=Made(places=[0.0, 1.0], laps=laps), lap_deviations=np.zeros((laps, 2)))
     ...     [line.get_label() for line in draw_laps(Figure().subplots(), cut, tolerance=1e-3)]
     ['lap 1']
     ['lap 1', 'lap 2, beside another']
     """
     plan = cut.plan
-    deviations = cut.lap_deviations
-    lines = ax.plot(plan.places, 1e3 * deviations[0], color=FIRST, lw=0.8, label="lap 1")
+    places = plan.places
+    deviations = 1e3 * cut.lap_deviations
+    lines = ax.plot(places, deviations[0], color=FIRST, lw=0.8, label="lap 1")
     if plan.laps > 1:
         beside = f"lap {plan.laps}, beside another"
-        lines += ax.plot(
-            plan.lap(-1).places, 1e3 * deviations[-1], color=LAST, lw=0.8, label=beside
-        )
+        lines += ax.plot(places, deviations[-1], color=LAST, lw=0.8, label=beside)
     for side in (-1e3, 1e3):
         ax.axhline(side * tolerance, color=LIMITS, lw=0.5, ls="--")
     ax.set(xlabel="place along the offset section / m", ylabel="overbreak / mm")

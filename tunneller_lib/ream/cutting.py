@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,12 +17,11 @@ from ..motion.tasks import Task, hand_over
 from ..removal import DexelGrid, Ground
 from ..removal.dexel import Shape
 from .both_axes import Loops, Plants, check_ticks
-from .face import BESIDE, TOGETHER, Face
+from .face import BESIDE, Face
 from .planning import Plan, Run
 from .pose import Pose
 from .wall import intact_wall, overbreak, standing
 
-UNTOUCHED = 0.999  # share of the depth of cut: ground that stands farther in isn't cut
 CHUNK = 48  # ticks after which the removed volume is noted
 SILENCE = 5.0  # s, the shortest time between two reports of progress within a lap
 Cost = Whole(1, 2**31 - 1)
@@ -50,7 +50,7 @@ class Cut:
     plunged : float
         Volume removed on the entry and the exit together, in m^3.
     force : (ticks,) float or None
-        The ground's force against the cutter's way, its mean over each tick, in N; None if the
+        The ground's force against the feed at the beginning of each tick, in N; None if the
         ground doesn't push.
     """
 
@@ -80,9 +80,9 @@ class Cut:
 
     @property
     def lap_deviations(self):
-        """Return a list of the `deviation` (ticks + 1,) of each lap at its ticks, in m."""
-        spans = zip(self.plan.begins, self.plan.ends, strict=True)
-        return [self.deviation[begin : end + 1] for begin, end in spans]
+        """Return the `deviation` (laps, ticks + 1) of each lap at the ticks of its plan, in m."""
+        ticks = int(self.plan.ticks.sum())
+        return self.deviation[ticks * np.arange(self.plan.laps)[:, None] + np.arange(ticks + 1)]
 
     @cached_property
     def overbreak(self):
@@ -108,20 +108,6 @@ class Cut:
         last = first - self.plan.advance * (self.plan.laps - 1)
         return (last <= lines.x[:, None]) & (lines.x[:, None] <= first)
 
-    @cached_property
-    def reached(self):
-        """Return the overbreak (k,) of the wall that the laps leave, in m.
-
-        Of several laps it is that on all rays between the bottoms of the first and of the last
-        groove, cusps included; of a single lap that of its bottom.
-        """
-        return self.overbreak[self.reamed] if self.plan.laps > 1 else self.around
-
-    @property
-    def untouched(self):
-        """Return the share of the wall that the laps leave on which nothing is cut."""
-        return float(np.mean(self.reached < -UNTOUCHED * self.plan.circuit.machine.depth))
-
     @property
     def rate(self):
         """Return the mean rate of removal (k,) between the ticks `noted`, in m^3/s."""
@@ -130,8 +116,12 @@ class Cut:
     @property
     def lap_volumes(self):
         """Return the volume (laps,) removed in each lap and in the step before it, in m^3."""
-        first = np.searchsorted(self.noted, np.append(0, self.plan.steps))
-        return np.add.reduceat(self.removed, first)
+        every = int(self.plan.ticks.sum())
+        stepping = len(self.plan.back) - 1
+        first = (self.noted[:-1] + stepping) % every == 0
+        first &= self.noted[:-1] + stepping < every * self.plan.laps  # no lap follows the last one
+        first[0] = True
+        return np.add.reduceat(self.removed, np.flatnonzero(first))
 
 
 @checked
@@ -183,12 +173,15 @@ def simulate(
     check_ticks(plan, loop)
     setvalues, slopes = whole_run(plan)
     first = int(plan.entry.ticks.sum())
-    last = first + int(plan.ends[-1])
+    last = first + plan.laps * int(plan.ticks.sum())
     face = None
     if ground is not None:
+        noted = first + _noted(plan)
+        wall = setvalues, first, shape, thickness
         report = _progress(plan, say, first)
-        face = Face(plan, ground, setvalues, first, shape, thickness, pose=pose, say=report)
-    track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=face)
+        face = Face(plan, ground, *wall, pose=pose, noted=noted, say=report)
+    push = face and face.push
+    track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=push)
     for joint, name in enumerate(("theta", "phi")):
         if track.stable[joint] is False:
             raise ValueError(_unstable(name, plant[joint], loop[joint], setvalues[:, joint]))
@@ -196,20 +189,22 @@ def simulate(
     laps = track.between(first, last)
     if face is None:
         return replace(_carved(plan, laps.position, ends, pose, shape, thickness, say), track=laps)
+    face.finish(track.position)
     centres, before, after = _centres(plan, laps.position, ends, pose)
-    radius = plan.circuit.machine.cutter_radius
-    start, stop = _ends(np.concatenate([before, centres, after]), radius)
+    start, stop = _ends(np.concatenate([before, centres, after]), face.radius)
     if start < face.ends[0] or stop > face.ends[1]:
         raise ValueError(
             f"ground: must hold the cutter back by less than {BESIDE:g} m along the tunnel, since "
             "no ground is modelled beyond."
         )
     standing(face.wall)  # raises if a ray is cut through
-    noted = _noted(plan)
-    removed = np.add.reduceat(face.removed[first:last], noted[:-1])
-    plunged = float(face.removed[:first].sum() + face.removed[last:].sum())
-    force = face.force[first:last]
-    return Cut(plan, laps, centres, face.wall, noted, removed, before, after, plunged, force)
+    so_far = np.concatenate([[0.0], np.cumsum(face.removed)])
+    removed = np.diff(so_far[noted])
+    plunged = float(so_far[-1] - removed.sum())
+    force = face.force(track)[first:last]
+    return Cut(
+        plan, laps, centres, face.wall, noted - first, removed, before, after, plunged, force
+    )
 
 
 def _unstable(name, plant, loop, reached):
@@ -224,15 +219,8 @@ def _unstable(name, plant, loop, reached):
 
 def whole_run(plan):
     """Return the set-values (n + 1, 2) and slopes (n, 2) of entry, laps and exit in a row."""
-    runs = [plan.entry]
-    for lap in range(plan.laps):
-        if lap and plan.withdrawn:
-            still = np.array([0, len(plan.back) - 1])
-            runs += [plan.leave, replace(plan.leave, setpoints=plan.leave.setpoints[[-1, -1]],
-                                         ticks=still[1:]), plan.entry]  # fmt: skip
-        runs.append(plan.lap(lap))
-    runs.append(plan.leave)
     # Each run ends where the next begins, and the tick between them counts once.
+    runs = [plan.entry, *[plan] * plan.laps, plan.leave]
     setvalues = [run.setvalues for run in runs]
     return (
         np.concatenate([setvalues[0][:1], *(values[1:] for values in setvalues)]),
@@ -243,7 +231,7 @@ def whole_run(plan):
 @checked
 def carve(
     plan: Plan,
-    position: Run | None = None,
+    position: Run,
     *,
     pose: Pose | None = None,
     shape: Shape = (400, 720),
@@ -256,9 +244,8 @@ def carve(
     ----------
     plan : Plan
         The plan, for its machine, section, laps and advance.
-    position : (n, 2) float, optional
-        Joint positions at every tick of all laps, with what is between them; or of one lap, where
-        all are alike; in rad. By default all laps are exactly on the circuit.
+    position : (n, 2) float
+        Joint positions at every tick of all laps, or of one lap that is repeated, in rad.
     pose, shape, thickness, say
         As for `simulate`: a `Pose`, two numbers of rays, a length in m and a function.
 
@@ -273,18 +260,13 @@ def carve(
         If the positions aren't those of one lap or of all, or the cutter leaves the modelled
         ground.
     """
-    first = int(plan.entry.ticks.sum())
-    every = whole_run(plan)[0][first : first + plan.ends[-1] + 1]
-    one = int(plan.ticks.sum()) + 1
-    if position is None or (position.shape == (one, 2) and plan.beside is None):
-        for lap, (begin, end) in enumerate(zip(plan.begins, plan.ends, strict=True)):
-            own = plan.circuit.position(plan.lap(lap).places) if position is None else position
-            every[begin : end + 1] = own
-        position = every
-    if position.shape != every.shape:
-        either = f"({one}, 2) for one lap or " if plan.beside is None else ""
+    ticks = int(plan.ticks.sum())
+    if position.shape == (ticks + 1, 2):
+        position = np.concatenate([position[:1], np.tile(position[1:], (plan.laps, 1))])
+    if position.shape != (ticks * plan.laps + 1, 2):
         raise ValueError(
-            f"position: must be {either}{every.shape} for all laps; got {position.shape}."
+            f"position: must be ({ticks + 1}, 2) for one lap or ({ticks * plan.laps + 1}, 2) for "
+            f"all; got {position.shape}."
         )
     ends = position[:0], position[:0]
     return _carved(plan, position, ends, pose, shape, thickness, say)
@@ -298,15 +280,14 @@ def _carved(plan, position, ends, pose, shape, thickness, say):
     wall = intact_wall(plan.circuit, start, stop, shape, thickness=thickness)
     noted = _noted(plan)
     plunged = wall.cut_path(before, reach) if len(before) else 0.0
+    removed = []
     report = _progress(plan, say)
-    volumes = []
-    for a in range(0, noted[-1], TOGETHER):
-        volumes.append(wall.cut_moves(centres[a : a + TOGETHER + 1], reach))
-        report(min(a + TOGETHER, noted[-1]))
-    removed = np.add.reduceat(np.concatenate(volumes), noted[:-1])
+    for a, b in pairwise(noted):
+        removed.append(wall.cut_path(centres[a : b + 1], reach))
+        report(b)
     plunged += wall.cut_path(after, reach) if len(after) else 0.0
     standing(wall)  # raises if a ray is cut through
-    return Cut(plan, None, centres, wall, noted, removed, before, after, plunged)
+    return Cut(plan, None, centres, wall, noted, np.array(removed), before, after, plunged)
 
 
 def _centres(plan, position, ends, pose):
@@ -319,27 +300,29 @@ def _centres(plan, position, ends, pose):
 
 def _noted(plan):
     """Return the ticks (k + 1,) of all laps at which the removed volume is noted."""
-    # Every lap and every step between laps begins and ends at one of them.
-    ends = np.concatenate([plan.begins, plan.ends, plan.steps])
-    return np.union1d(np.arange(0, plan.ends[-1], CHUNK), ends)
+    # Every lap and every step between laps ends at one of them.
+    ticks = int(plan.ticks.sum())
+    within = np.union1d(np.arange(0, ticks, CHUNK), [ticks - len(plan.back) + 1])
+    starts = ticks * np.arange(plan.laps)
+    return np.append(np.add.outer(starts, within[within < ticks]).ravel(), ticks * plan.laps)
 
 
 def _progress(plan, say, first=0):
     """Return a function that reports at ticks of a run whose first lap begins at tick `first`."""
+    lap = int(plan.ticks.sum())
     said = time.monotonic()
 
     def cut_to(tick):
         nonlocal said
         done = tick - first
-        if say is None or not 0 < done <= plan.ends[-1]:
+        within = done % lap
+        if say is None or not 0 < done <= lap * plan.laps:
             return
-        if done < plan.ends[-1] and time.monotonic() - said < SILENCE:
+        if within and time.monotonic() - said < SILENCE:
             return
         said = time.monotonic()
-        lap = int(np.searchsorted(plan.ends, done))
-        begin, end = plan.begins[lap], plan.ends[lap]
-        share = f", {100 * max(done - begin, 0) // (end - begin)} % of it" if done < end else ""
-        say(f"cutting: lap {lap + 1} of {plan.laps}{share}")
+        share = f", {100 * within // lap} % of it" if within else ""
+        say(f"cutting: lap {(done - 1) // lap + 1} of {plan.laps}{share}")
 
     return cut_to
 

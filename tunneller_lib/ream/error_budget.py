@@ -34,8 +34,8 @@ class Fault:
     ----------
     source : str
         The source that is switched on; everything else is ideal.
-    kind : {"chosen", "machine", "ground", "paper", "instead"}
-        The origin of the error; "instead" if it would be there with another path between knots.
+    kind : {"chosen", "machine", "ground", "paper"}
+        The origin of the error.
     deviation : (ticks + 1,) float
         Overbreak at each tick of a lap, in m, negative for underbreak; of an error `along` the
         path, by how much the set-values are ahead.
@@ -88,8 +88,8 @@ class Source(NamedTuple):
 
     Parameters
     ----------
-    kind : {"chosen", "machine", "ground", "paper", "instead"}
-        As of a `Fault`.
+    kind : {"chosen", "machine", "ground", "paper"}
+        The origin of the error.
     alone : callable
         Function of a `Case` that returns the fault's deviation and its closed form.
     remedies : tuple of (str, float)
@@ -121,10 +121,6 @@ def _on(path):
     return lambda case: case.plan.path == f"{path} chord"
 
 
-def _several(case):
-    return case.plan.laps > 1 and case.plan.advance > 0
-
-
 def _unheld(case):
     if np.any(np.diff(case.plan.s[:-1]) <= 0):
         raise ValueError(
@@ -152,7 +148,7 @@ GROUND = _having("plant", "loop", "ground")
 # A load of the ground goes with the feed's square: through the force and through the speed.
 SLOWER = ("power", 2**-0.5), ("feed", 2**-0.5)
 GAIN = ("gain", 2.0)
-STEP = (("step", 2**-0.5),)
+RIPPLE = ("step", 2**-0.5), ("acceleration", 1 / 2)
 # A tolerance goes with the square of the chords' length, the error of paths with its third or
 # fourth power. Corners may miss their knots by a share of the tolerance.
 SECOND, THIRD, FOURTH = ((("tolerance", 2 ** (-2 / power)),) for power in (2, 3, 4))
@@ -160,17 +156,15 @@ SOURCES = {
     "knots": Source("chosen", faults.knot_fault, SECOND, check=_unheld),
     "projected chord": Source("paper", faults.projected_fault, THIRD, _on("projected"), _unheld),
     "corrected chord": Source("paper", faults.corrected_fault, FOURTH, _on("corrected"), _unheld),
-    "joint lines": Source("instead", faults.joint_line_fault, SECOND, check=_unheld),
     "corners": Source("chosen", faults.corner_fault, SECOND, check=_unheld),
-    "setpoints": Source("machine", faults.setpoint_fault, STEP),
+    "setpoints": Source("machine", faults.setpoint_fault, (("step", 2**-0.5),)),
     "counts": Source("machine", faults.count_fault, (("count", 1 / 2),), measure="rms"),
-    "feed ripple": Source("machine", faults.ripple_fault, STEP, check=_unheld, along=True),
+    "feed ripple": Source("machine", faults.ripple_fault, RIPPLE, check=_unheld, along=True),
     "following": Source("machine", faults.following_fault, (GAIN, *SLOWER[::-1]), AXES, _linear),
     "encoder": Source("machine", faults.encoder_fault, (("encoder", 1 / 2),), AXES, _linear, "rms"),
-    "both joints": Source("machine", loads.arm_fault, (), ARM, _oily),
-    "ground, mean": Source("ground", loads.ground_fault, (GAIN, *SLOWER), GROUND, _oily),
-    "ground, picks": Source("ground", loads.picks_fault, SLOWER, GROUND, _oily),
-    "cusps": Source("chosen", faults.cusp_fault, (("advance", 2**-0.5),), _several),
+    "both joints": Source("machine", loads.arm_fault, (GAIN,), ARM, _oily),
+    "ground, mean": Source("ground", loads.ground_fault, (*SLOWER, GAIN), GROUND, _oily),
+    "ground, picks": Source("ground", loads.picks_fault, (*SLOWER, GAIN), GROUND, _oily),
     "pose": Source("chosen", faults.pose_fault, (("pose", 1 / 2),), _having("pose")),
 }
 
@@ -255,11 +249,10 @@ def budget(
     Returns
     -------
     faults : list of Fault
-        Knots, the path between them, what lines of the joints would leave in the place of both,
-        corners, setpoints, counts, feed ripple, following, encoder and, if given, both joints, the
-        ground's mean force, its picks' ripple, cusps between laps and pose. But for those lines, to
-        first order their deviations across the path add up to the deviation of all together; where
-        the path turns, a trailing axis cuts the corner by more than its fault alone.
+        Knots, the path between them, corners, setpoints, counts, feed ripple, following, encoder
+        and, if given, both joints, the ground's mean force, its picks' ripple and pose. To first
+        order their deviations across the path add up to the deviation of all together; where the
+        path turns, a trailing axis cuts the corner by more than its fault alone.
 
     Raises
     ------

@@ -17,10 +17,6 @@ from .moves import Moves, levers
 from .outward import gradient, wall_frame
 from .route import ROUNDED, route_through
 from .sensitivity import geodesic_bend, joint_bend, planned_motion, rounding_passed, trailing
-from .wall import intact_wall, overbreak, pass_distance, scallop_height
-
-PASSED = 1000  # places of a circuit, between which passes are straight
-RAYS = 200, 360  # of the wall between two passes
 
 
 def knot_fault(case):
@@ -58,50 +54,6 @@ def corrected_fault(case):
     The correction cancels the projected chord's law, and the next power has no closed form.
     """
     return projected_fault(case)[0], None
-
-
-def joint_line_fault(case):
-    """Return what straight lines in joint space between the same knots would leave.
-
-    It is the whole deviation from the circuit, the knots' own included. The closed form is the
-    sagitta of such a line on the wall.
-    """
-    plan = case.plan
-    circuit = plan.circuit
-    ends = np.append(plan.knots, circuit.profile.perimeter)
-    at = circuit.position(ends)
-    way = np.stack([np.interp(plan.places, ends, axis) for axis in at.T], axis=-1)
-    middle = (ends[1:] + ends[:-1]) / 2
-    sagitta = joint_bend(circuit, middle, circuit.position(middle), np.diff(at, axis=0)) / 8
-    return circuit.overbreak(way), _largest(sagitta)
-
-
-def cusp_fault(case):
-    """Return what stands between two laps of a cutter that is exactly on its circuit.
-
-    It is looked for on rays, at each place of the plan between the bottoms of both grooves. The
-    closed form is the height of a cusp at the distance of the passes across their way.
-    """
-    plan = case.plan
-    circuit = plan.circuit
-    radius = circuit.machine.cutter_radius
-    s = np.linspace(0, circuit.profile.perimeter, PASSED)
-    centres = circuit.in_tunnel(circuit.point(s))
-    back = [plan.advance, 0.0, 0.0]
-    ends = centres[:, 0].min() - plan.advance, centres[:, 0].max()
-    wall = intact_wall(circuit, *ends, RAYS)
-    for pass_ in (centres, centres - back):
-        wall.cut_path(pass_, radius)
-    touch = circuit.profile.point(s) + radius * circuit.profile.normal(s)
-    angle = np.arctan2(touch[:, 1], touch[:, 0])
-    lines = wall.lines
-    rays = np.arctan2(lines.sin, lines.cos)
-    first = np.interp(rays, angle, centres[:, 0], period=2 * np.pi)
-    x = lines.x[:, None]
-    over = np.where((first - plan.advance <= x) & (x <= first), overbreak(wall, circuit), np.inf)
-    tips = np.where(np.isfinite(over).any(axis=0), over.min(axis=0), 0.0)
-    deviation = np.interp(np.interp(plan.places, s, np.unwrap(angle)), rays, tips, period=2 * np.pi)
-    return deviation, _largest(scallop_height(radius, pass_distance(circuit, s, plan.advance)))
 
 
 def corner_fault(case):

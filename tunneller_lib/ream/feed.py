@@ -49,7 +49,8 @@ class Limits:
     axes : (Hydraulics, Hydraulics), optional
         The axes theta and phi.
     power : float
-        Greatest power of the cutter head, in W; needs `ground`.
+        Greatest power of the cutter head on whole grooves, as in a first lap, in W; needs
+        `ground`.
     ground : Ground, optional
         The law of the cutting force, which, with its ripple, loads the valves of the `axes`.
 
@@ -84,6 +85,7 @@ class Limits:
         positions: Ends,
         ground: Areas,
         *,
+        groove: Areas | None = None,
         pushed: Ends | None = None,
         turns: Turns | None = None,
     ):
@@ -91,7 +93,7 @@ class Limits:
 
         Parameters
         ----------
-        lengths, positions, ground, pushed
+        lengths, positions, ground, groove, pushed
             As for `bounds`, in m, rad and m^2.
         turns : (3, m + 1, 2) float, optional
             First and second derivatives of the positions by the length of way, in rad/m and
@@ -108,7 +110,7 @@ class Limits:
         ValueError
             As by `bounds`, or if a move is too long for the bend of the way at its beginning.
         """
-        bound = self.bounds(lengths, positions, ground, pushed=pushed)
+        bound = self.bounds(lengths, positions, ground, groove=groove, pushed=pushed)
         # A place belongs to the move before it and to the one after it.
         square = np.minimum(np.append(bound, np.inf), np.append(np.inf, bound)) ** 2
         if turns is None:
@@ -117,7 +119,15 @@ class Limits:
         return np.sqrt(fastest(lengths, square, self.acceleration, turns))
 
     @checked
-    def bounds(self, lengths: Moves, positions: Ends, ground: Areas, *, pushed: Ends | None = None):
+    def bounds(
+        self,
+        lengths: Moves,
+        positions: Ends,
+        ground: Areas,
+        *,
+        groove: Areas | None = None,
+        pushed: Ends | None = None,
+    ):
         """Return the greatest steady feed in each move.
 
         Parameters
@@ -128,6 +138,8 @@ class Limits:
             Joint positions at their ends, in rad; the moves are straight in joint space.
         ground : (m,) float
             Volume removed per metre of each move, in m^2.
+        groove : (m,) float, optional
+            The same in a whole groove, beside which nothing is cut yet; by default `ground`.
         pushed : (m + 1, 2) float, optional
             Levers of the ground's force at both joints at the ends of the moves, in m: the torque
             against positive motion, in N m, per newton against the feed. By default zero.
@@ -142,20 +154,21 @@ class Limits:
         ValueError
             If the shapes don't fit each other, a length isn't positive, or ground is negative.
         """
+        groove = ground if groove is None else groove
         pushed = np.zeros_like(positions) if pushed is None else pushed
-        fitting = {"positions": positions, "ground": ground, "pushed": pushed}
+        fitting = {"positions": positions, "ground": ground, "groove": groove, "pushed": pushed}
         _check_shapes(len(lengths), **fitting)
         with np.errstate(divide="ignore", over="ignore"):
             bound = np.minimum(self.feed, self.volume / ground)
             if self.ground is not None:
-                bound = np.minimum(bound, self.power / self.ground.power(ground))
+                bound = np.minimum(bound, self.power / self.ground.power(groove))
         if self.axes is None:
             return bound
         rates = np.diff(positions, axis=0) / lengths[:, None]  # rad for each metre
         middle = (positions[1:] + positions[:-1]) / 2
         torques = np.zeros_like(middle)
         if self.ground is not None:
-            greatest = (1 + self.ground.ripple) * self.ground.force(ground)  # at a feed of 1 m/s
+            greatest = (1 + self.ground.ripple) * self.ground.force(groove)  # at a feed of 1 m/s
             torques = greatest[:, None] * (pushed[1:] + pushed[:-1]) / 2
         if self.valve < np.inf:
             for axis, rate, angle, torque in zip(

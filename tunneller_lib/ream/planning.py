@@ -1,15 +1,13 @@
 """The plan of a cut: from machine, section and tolerance to knots, setpoints and set-values."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
 from ..arguments import LEAST, MOST, Array, Length, Length0, Number, Whole, Wholes, checked
 from ..paths.bounds import Way
 from ..paths.circuit import Circuit
-from .clearance import PartClearance, clear_size, part_clearances
+from .clearance import PartClearance, part_clearances
 from .feed import Limits
 from .front import engaged_areas, push_levers, side_area
 from .moves import Moves, levers, move_lengths, move_shares, move_ticks, strains
@@ -25,21 +23,17 @@ EASINGS = 6  # most tightenings of the limits
 MOST_SLOWINGS = 50
 NEWTON_STEPS = 8
 GENTLY = 0.1  # of the acceleration, on entry, where an overshoot of the axes is overbreak
-MOST_TICKS = 5_000_000  # in all laps that are simulated
-MOST_RUN = 2**30  # ticks in all laps, whose sums the controller holds in 32 bits
-SIMULATED = 3  # laps that tell all: the first one, one beside it, and one beside that
+MOST_TICKS = 5_000_000  # in all laps
 
 
-Between = Literal["withdrawn", "cutting"]
 Run = Array("(n, 2) float", "rad", last="theta, phi")
 Ticks = Wholes("(...) int", 0, 2**40)
-RunTicks = Wholes("(...) int", -(2**40), 2**40)
 Tick = Number(LEAST, MOST, "s")
 
 
 @dataclass(frozen=True, eq=False)
 class Plan(Moves):
-    """A planned cut: the moves of its first lap, and of the laps beside it; the last is the rest.
+    """A planned cut: the moves of one lap, which all laps repeat; the last move is the rest.
 
     Parameters
     ----------
@@ -60,16 +54,11 @@ class Plan(Moves):
     entry, leave : Moves
         Moves from a position clear of the ground to the lap's begin, and back.
     back : (k + 1,) float
-        How far the machine has stepped back at each of the k ticks of a step, in m.
+        How far the machine has stepped back at each of the last k ticks of a lap, in m.
     laps : int
         Number of laps.
     advance : float
         Step of the machine out of the tunnel, towards -x, after each lap but the last, in m.
-    withdrawn : bool
-        Whether the cutter leaves the ground for a step; else the machine steps in the last ticks of
-        a lap, and the cutter's side cuts.
-    beside : Plan or None
-        The plan of each lap but the first, which is cut beside another; None where it is the same.
     straight_time : float
         Time of a lap without its rest if corners and bends cost no feed, in s.
     clearances : list of PartClearance
@@ -93,8 +82,6 @@ class Plan(Moves):
     straight_time: float
     clearances: list[PartClearance]
     path: str = "projected chord"
-    withdrawn: bool = False
-    beside: "Plan | None" = None
 
     @property
     def places(self):
@@ -104,57 +91,23 @@ class Plan(Moves):
 
     @property
     def lap_time(self):
-        """Return the time of the first lap, with its rest and the step behind it, in s."""
-        return self.tick * (int(self.ticks.sum()) + self._apart)
-
-    @property
-    def _apart(self):
-        """Return the ticks between two laps, which a withdrawn cutter needs."""
-        if not self.withdrawn or self.laps == 1:
-            return 0
-        return int(self.leave.ticks.sum() + self.entry.ticks.sum()) + len(self.back) - 1
-
-    @cached_property
-    def begins(self):
-        """Return the ticks (laps,) at which the laps begin, counted from the first lap's begin."""
-        first, other = (int(lap.ticks.sum()) + self._apart for lap in (self, self.beside or self))
-        return np.append(0, first + other * np.arange(self.laps - 1))
-
-    @cached_property
-    def ends(self):
-        """Return the ticks (laps,) at which the laps end, counted from the first lap's begin."""
-        return np.append(self.begins[1:] - self._apart, self.begins[-1] + self.lap(-1).ticks.sum())
-
-    @property
-    def steps(self):
-        """Return the ticks (laps - 1,) at which the machine begins to step, counted likewise."""
-        away = self.leave.ticks.sum() if self.withdrawn else 1 - len(self.back)
-        return self.ends[:-1] + away
-
-    def lap(self, number):
-        """Return the plan of a lap, 0 for the first and -1 for the last."""
-        return self.beside or self if number % self.laps else self
+        """Return the time of a lap, including its rest and the step at its end, in s."""
+        return self.tick * int(self.ticks.sum())
 
     @property
     def times(self):
-        """Return the times of the parts of a lap and of the whole job in s, as a dict.
-
-        With several laps those of the first one, and ``beside``, a lap beside another.
-        """
+        """Return the times of the parts of a lap and of the whole job in s, as a dict."""
         step = self.tick * (len(self.back) - 1)
-        rest = self.tick * int(self.ticks[-1]) - (0 if self.withdrawn else step)
+        rest = self.tick * int(self.ticks[-1]) - step
         entry, leave = (self.tick * int(moves.ticks.sum()) for moves in (self.entry, self.leave))
-        cutting = self.tick * int(self.ticks[:-1].sum())
-        beside = {"beside": self.beside.lap_time} if self.beside else {}
         return {
             "straight": self.straight_time,
-            "corners": cutting - self.straight_time,
+            "corners": self.lap_time - step - rest - self.straight_time,
             "rest": rest,
             "step": step,
             "entry": entry,
             "exit": leave,
-            **beside,
-            "all": entry + self.tick * int(self.ends[-1]) + leave,
+            "all": entry + self.laps * self.lap_time + leave,
         }
 
     @property
@@ -179,26 +132,10 @@ class Plan(Moves):
     @checked
     def stepped(self, ticks: Ticks):
         """Return how far (...) the machine has stepped back after ticks (...) of all laps, in m."""
-        begun = np.searchsorted(self.steps, ticks, side="right")
-        last = ticks - np.append(0, self.steps)[begun]
-        done = self.back[np.minimum(last, len(self.back) - 1)]
-        return np.where(begun > 0, self.advance * (begun - 1) + done, 0.0)
-
-    @checked
-    def run_places(self, ticks: RunTicks):
-        """Return the arc lengths (...) along the offset section after ticks of the run, in m.
-
-        Ticks count from the first lap's begin, below 0 on the entry. Before, between and behind
-        laps the place is that of their begin, 0.
-        """
-        lap = np.clip(np.searchsorted(self.begins, ticks, side="right") - 1, 0, None)
-        within = ticks - self.begins[lap]
-        found = np.zeros(np.shape(ticks))
-        for first, one in ((True, self), (False, self.lap(-1))):
-            places = one.places
-            inside = ((lap == 0) == first) & (within >= 0) & (within < len(places))
-            found = np.where(inside, places[np.clip(within, 0, len(places) - 1)], found)
-        return found
+        every = int(self.ticks.sum())
+        lap = np.maximum(ticks - 1, 0) // every
+        last = np.maximum(ticks - lap * every - (every - len(self.back) + 1), 0)
+        return self.advance * lap + np.where(lap < self.laps - 1, self.back[last], 0.0)
 
     @checked
     def centres(self, position: Run, *, pose: Pose | None = None):
@@ -236,7 +173,6 @@ def plan(
     rest: Number(0.0, LONGEST_REST, "s") = 1.0,
     laps: Whole(1, 10_000) = 1,
     advance: Length0 = 0.0,
-    between: Between = "withdrawn",
     arm_radius: Length0 = 0.0,
     path: Way = "projected chord",
     clearance: Length0 = 5e-3,
@@ -266,9 +202,6 @@ def plan(
         Number of laps.
     advance : float
         Step of the machine out of the tunnel, towards -x, after each lap, in m.
-    between : {"withdrawn", "cutting"}
-        What happens between laps: the cutter leaves the ground, the machine steps and it plunges
-        again; or the machine steps while the cutter stands in its groove, and its side cuts.
     arm_radius : float
         Radius of a round-ended rod about the arm that must stay clear of the intact wall, in m.
     path : {"projected chord", "corrected chord"}
@@ -321,65 +254,19 @@ def plan(
             f"tolerance: must be so small that two knots are needed; got {tolerance:g} m."
         )
     clearances = _kept_clear(circuit, arm_radius)
-    way = route_through(circuit, knots, way=path_points(circuit.machine.torus, path),
-                        blend=tolerance / 2)  # fmt: skip
-    withdrawn = between == "withdrawn"
-    several = laps > 1 and advance > 0
-    back = _stepping(circuit, limits, advance, tick, withdrawn) if several else np.zeros(1)
-    # The rest holds at least one tick. If the cutter stays, the machine steps in its last ones.
-    held = max(round(rest / tick), 1) + (0 if withdrawn else len(back) - 1)
-
-    def lap(pitch, laps):
-        """Return what a lap at a distance from another one has of its own, as a dict."""
-        return _lap(way, circuit, limits, pitch, tick=tick, step=step, held=held, laps=laps)
-
-    first = lap(0.0, min(laps, SIMULATED))
-    begin = first["setpoints"][0]
-    entry = _entry(circuit, begin, limits, clearance, step, tick, count)
-    made = Plan(
-        **first,
-        tick=tick,
-        count=count,
-        circuit=circuit,
-        limits=limits,
-        knots=knots,
-        route=way,
-        entry=entry,
-        leave=replace(entry, setpoints=entry.setpoints[::-1], ticks=entry.ticks[::-1]),
-        back=back,
-        laps=laps,
-        advance=advance,
-        clearances=clearances,
-        path=path,
-        withdrawn=withdrawn,
-    )
-    # Beside another groove there is less ground, which matters only to its limits.
-    if several and min(limits.volume, limits.power) < np.inf:
-        made = replace(made, beside=replace(made, **lap(advance, SIMULATED)))
-    if made.ends[-1] > MOST_RUN:
-        raise ValueError(
-            f"laps: must take at most {MOST_RUN} ticks together; got {laps}, which take "
-            f"{made.ends[-1]}."
-        )
-    return made
-
-
-def _lap(way, circuit, limits, pitch, *, tick, step, held, laps):
-    """Return what a lap has of its own, as a dict: its setpoints and how fast it goes.
-
-    It is cut at a distance `pitch` from another groove, in m, or is the first one for 0; `held` are
-    its ticks of rest. As many `laps` are simulated.
-    """
     torus = circuit.machine.torus
-    length, speed, moment, straight_time = _eased(way, circuit, limits, pitch, tick)
+    way = route_through(circuit, knots, way=path_points(torus, path), blend=tolerance / 2)
+    length, speed, moment, straight_time = _eased(
+        way, circuit, limits, advance if laps > 1 else 0.0, tick
+    )
+    back = _stepping(circuit, limits, advance, tick) if laps > 1 else np.zeros(1)
+    # The rest holds at least one tick, and the machine steps in its last ones.
+    held = max(round(rest / tick), 1) + len(back) - 1
     total = int(min(np.ceil(moment[-1] / tick), 2.0**60)) + held
     if total * laps > MOST_TICKS:
-        fits = MOST_TICKS // total
-        longer = tick * 1.1 * total / MOST_TICKS
-        would_do = f"{fits}" if fits else f"1 lap with a tick of {longer:.2g} s"
         raise ValueError(
-            f"{'laps' if laps > 1 else 'tick'}: must take at most {MOST_TICKS} ticks together; "
-            f"got {laps} x {total} ticks of {tick:g} s, {would_do} would do."
+            f"laps: must take at most {MOST_TICKS} ticks together; got {laps} x "
+            f"{total} ticks of {tick:g} s."
         )
     along = _at_ticks(way, torus, limits, length, speed, moment, tick)
     farthest = float(np.diff(along).max())
@@ -394,18 +281,32 @@ def _lap(way, circuit, limits, pitch, *, tick, step, held, laps):
     ends = np.concatenate([[0], np.cumsum(ticks)])
     feed = np.gradient(along, tick)
     feed[[0, -1]] = 0
-    return {
+    entry = _entry(circuit, positions[0], limits, clearance, step, tick, count)
+    return Plan(
         # The rest is a move from the last setpoint to itself.
-        "setpoints": positions[np.append(ends, ends[-1])],
-        "ticks": np.append(ticks, held),
-        "s": way.place(along[np.append(ends, ends[-1])]),
-        "feed": np.append(feed[ends], 0.0),
-        "reached": np.append(along, np.full(held, along[-1])),
-        "straight_time": straight_time,
-    }
+        setpoints=positions[np.append(ends, ends[-1])],
+        ticks=np.append(ticks, held),
+        tick=tick,
+        count=count,
+        circuit=circuit,
+        limits=limits,
+        knots=knots,
+        route=way,
+        s=way.place(along[np.append(ends, ends[-1])]),
+        feed=np.append(feed[ends], 0.0),
+        reached=np.append(along, np.full(held, along[-1])),
+        entry=entry,
+        leave=replace(entry, setpoints=entry.setpoints[::-1], ticks=entry.ticks[::-1]),
+        back=back,
+        laps=laps,
+        advance=advance,
+        straight_time=straight_time,
+        clearances=clearances,
+        path=path,
+    )
 
 
-def _eased(way, circuit, limits, pitch, tick):
+def _eased(way, circuit, limits, advance, tick):
     """Return lengths of way (k + 1,), feeds and moments there, and the time without turning in s.
 
     The limits of acceleration are tightened where the run between two places exceeds them.
@@ -413,7 +314,7 @@ def _eased(way, circuit, limits, pitch, tick):
     length = _places(way)
     at = way.at(length)
     moves = np.diff(length)
-    load = _loads(way, circuit, limits, pitch, length)
+    load = _loads(way, circuit, limits, advance, length)
     torus = circuit.machine.torus
     turns = np.stack([way.at(length, order=1), way.at(length, order=2), levers(torus, at)])
     straight = limits.profile(moves, at, **load)
@@ -436,14 +337,16 @@ def _eased(way, circuit, limits, pitch, tick):
     return length, speed, moment, float(_moments(moves, straight)[-1])
 
 
-def _loads(way, circuit, limits, pitch, length):
+def _loads(way, circuit, limits, advance, length):
     """Return the ground's arguments of `profile` for moves between lengths of way (k + 1,)."""
     places = way.place(length)
     middle = (places[1:] + places[:-1]) / 2
-    # The areas take a quarter of a plan's time, and only the ground's limits need them.
-    needed = limits.volume < np.inf or limits.ground is not None
-    load = {"ground": engaged_areas(circuit, middle, pitch) if needed else np.zeros_like(middle)}
+    # The areas take a quarter of a plan's time, and only a limit of the volume needs them.
+    limited = limits.volume < np.inf
+    load = {"ground": engaged_areas(circuit, middle, advance) if limited else np.zeros_like(middle)}
     if limits.ground is not None:
+        whole = limited and not advance  # grooves, which `ground` has already
+        load["groove"] = load["ground"] if whole else engaged_areas(circuit, middle)
         slopes = way.at(length, order=1)
         load["pushed"] = push_levers(circuit, limits.ground, places, way.at(length), slopes)
     return load
@@ -505,18 +408,17 @@ def _at_ticks(way, torus, limits, length, speed, moment, tick):
     )
 
 
-def _stepping(circuit, limits, advance, tick, withdrawn):
+def _stepping(circuit, limits, advance, tick):
     """Return how far (k + 1,) the machine has stepped back at each tick of its step, in m.
 
-    Unless the cutter is `withdrawn` the limits of power and volume bound the step, too, since the
-    ball meets ground at its side.
+    The limits of power and volume bound the step, too, since the ball meets ground at its side.
     """
-    speed = limits.feed
-    if not withdrawn:
-        area = side_area(circuit, 0.0)
-        speed = min(speed, limits.volume / area)
-        if limits.ground is not None:
-            speed = min(speed, limits.power / limits.ground.power(area))
+    if not advance:
+        return np.zeros(1)
+    area = side_area(circuit, 0.0)
+    speed = min(limits.feed, limits.volume / area)
+    if limits.ground is not None:
+        speed = min(speed, limits.power / limits.ground.power(area))
     ticks = move_ticks(advance, speed, limits.acceleration, tick)
     return advance * move_shares(ticks)
 
@@ -537,7 +439,11 @@ def _entry(circuit, end, limits, clearance, step, tick, count):
     cap = np.pi * machine.depth * (2 * machine.cutter_radius - machine.depth)
     slopes = np.tile(turn / distance, (3, 1))
     speed = limits.bounds(
-        np.full(2, distance / 2), ends, np.full(2, cap), pushed=levers(torus, ends) ** 2 * slopes
+        np.full(2, distance / 2),
+        ends,
+        np.zeros(2),
+        groove=np.full(2, cap),
+        pushed=levers(torus, ends) ** 2 * slopes,
     ).min()
     ticks = move_ticks(distance, float(speed), GENTLY * limits.acceleration, tick)
     shares = move_shares(ticks)
@@ -571,7 +477,5 @@ def _kept_clear(circuit, arm_radius):
         if part.collides:
             arm = part.name == "arm"
             what = f"arm_radius: an arm of {arm_radius:g} m" if arm else f"body: its {part.name}"
-            clear = clear_size(circuit, arm_radius, part)
-            would_do = f"; {clear[0]} = {clear[1]:g} would do" if clear else ""
-            raise ValueError(f"{what} {part.depth_in_wall}{would_do}.")
+            raise ValueError(f"{what} {part.depth_in_wall}.")
     return found

@@ -157,41 +157,6 @@ def pass_distance(circuit: Circuit, s: Lengths, advance: Length):
 
 
 @checked
-def widest_advance(circuit: Circuit, cusp: Length):
-    """Return the greatest advance between laps, in m, whose cusps are nowhere above a height.
-
-    Parameters
-    ----------
-    circuit : Circuit
-        The circuit of the cutter's centre.
-    cusp : float
-        The height, in m, at most the cutter's radius.
-
-    Returns
-    -------
-    advance : float
-        In m.
-
-    Examples
-    --------
-    >>> from tunneller_lib.paths import cutting_circuit
-    >>> from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg
-    >>> circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
-    >>> advance = widest_advance(circuit, 1e-3)
-    >>> s = np.linspace(0, circuit.profile.perimeter, 4000)
-    >>> tallest = scallop_height(0.2, pass_distance(circuit, s, advance)).max()
-    >>> round(advance, 4), round(float(tallest), 6)
-    (0.0399, 0.001)
-    """
-    radius = circuit.machine.cutter_radius
-    if cusp > radius:
-        raise ValueError(f"cusp: must be at most the radius {radius:g} m; got {cusp:g} m.")
-    s = np.linspace(0, circuit.profile.perimeter, 4001)
-    nearer = pass_distance(circuit, s, 1.0).max()  # distance of passes over their advance
-    return float(2 * np.sqrt(cusp * (2 * radius - cusp)) / nearer)
-
-
-@checked
 def lap_volume(circuit: Circuit, advance: Length):
     """Return the volume that a lap removes behind earlier ones, in m^3.
 
