@@ -106,7 +106,7 @@ def test_folder_that_holds_a_user_s_files_is_refused_and_stays(jobs, tmp_path, c
     CHANGES[change](out)
     before = {path: path.is_dir() or path.read_bytes() for path in out.iterdir()}
     assert cut(jobs, "later", out) == 2
-    assert f"cut: holds {change}, which no run has left there" in capsys.readouterr().err
+    assert f"cut: holds {change}, which isn't as a run has left it" in capsys.readouterr().err
     assert {path: path.is_dir() or path.read_bytes() for path in out.iterdir()} == before
 
 

@@ -90,9 +90,10 @@ def test_output_refuses_what_a_user_changed_and_keeps_the_new_results(tmp_path, 
         CHANGES[change](out)
         before = content(out)
     assert refused.value.filename == str(out)
-    assert f"holds {change.strip()}, which no run has left there" in refused.value.strerror
+    assert f"holds {change.strip()}, which isn't as a run has left it" in refused.value.strerror
     assert content(out) == before
-    assert {path.name for path in tmp_path.iterdir()} == {"cut", "cut.new"} if late else {"cut"}
+    there = {"cut", "cut.new"} if late else {"cut"}
+    assert {path.name for path in tmp_path.iterdir()} == there
     if late:
         assert refused.value.strerror.endswith(f"the new results are in {tmp_path / 'cut.new'}")
         assert whole(tmp_path / "cut.new") == "second"
@@ -100,7 +101,7 @@ def test_output_refuses_what_a_user_changed_and_keeps_the_new_results(tmp_path, 
 
 def test_output_refuses_what_came_where_nothing_was_and_overwrites_no_other_folder(tmp_path):
     (tmp_path / "cut.new").write_text("mine")
-    with pytest.raises(FileExistsError, match="no run has left"), output(tmp_path / "cut") as new:
+    with pytest.raises(FileExistsError, match="has left it"), output(tmp_path / "cut") as new:
         write(new, "second")
         (tmp_path / "cut").mkdir()
         (tmp_path / "cut" / "0.csv").write_text("mine")
@@ -337,5 +338,5 @@ def test_cut_refuses_a_folder_before_it_plans_and_names_the_file(tmp_path, capsy
     job = ROOT / "tunneller_lib" / "job" / "reference.toml"
     assert main(["cut", str(job), "--out", str(tmp_path)]) == 2
     told = capsys.readouterr().err
-    assert told == (f"wrong: {tmp_path}: holds notes.txt, which no run has left there like that; "
+    assert told == (f"wrong: {tmp_path}: holds notes.txt, which isn't as a run has left it; "
                     "move it elsewhere, or give another --out.\n")  # fmt: skip

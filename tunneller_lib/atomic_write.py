@@ -209,7 +209,7 @@ def _refuse_foreign(folder, staging, path):
     listed = _listed(folder / MANIFEST)
     for file in _sorted(folder):
         if file != staging and not (file.is_file() and _line(file) in listed):
-            why = f"holds {file.name}, which no run has left there like that; move it elsewhere, "
+            why = f"holds {file.name}, which isn't as a run has left it; move it elsewhere, "
             raise FileExistsError(errno.EEXIST, why + "or give another --out", str(path))
 
 
