@@ -21,13 +21,17 @@ from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.paths import (
     competing_geodesics,
+    cutting_circuit,
     direct_problem,
     geodesic_direct,
     geodesic_inverse,
     inverse_problem,
 )
-from tunneller_lib.removal import DexelGrid
-from tunneller_lib.surfaces import REFERENCE_MACHINE, Rod, Torus, blocks
+from tunneller_lib.ream import Limits, plan
+from tunneller_lib.ream.cutting import whole_run
+from tunneller_lib.ream.face import Face
+from tunneller_lib.removal import DexelGrid, Ground
+from tunneller_lib.surfaces import REFERENCE_MACHINE, Egg, Rod, Torus, blocks
 
 ROOT = Path(__file__).resolve().parents[1]
 SIZES = usual_sizes(REFERENCE_MACHINE)
@@ -97,7 +101,7 @@ def test_machine_in_ground_has_the_same_bits_both_ways(both_ways):
         damper=2e4 * rng.random(len(SLOPES)),
         lever=np.tile([0.88, 0.80], (len(SLOPES), 1)),
         across=rng.normal(0, 0.3, SLOPES.shape),
-        front=rng.normal(0, 2e4, SLOPES.shape),
+        drift=rng.normal(0, 0.02, (len(SLOPES), 3)),
     )
     given = dict(slopes=SLOPES, arm=arm_of(REFERENCE_MACHINE, SIZES), push=push)
     assert_same_bits(both_ways(lambda: follow(OILY, LOOPS["usual"], RAMP, **given)))
@@ -166,21 +170,41 @@ def test_lines_have_the_same_bits_both_ways(kind, both_ways):
     assert np.isfinite(plain[0]).any() and np.isinf(plain[0]).any()
 
 
-def test_ticks_that_are_tried_again_leave_no_trace():
-    reach = dict(lever=(0.88, 0.80), across=(0.2, -0.1))
-    at_once = Push(damper=np.linspace(0, 4e3, len(SLOPES)), **reach)
-    tries = []
-
-    def with_wrong_tries(tick, tried):
-        if tried is None:
-            tries.append(0)
-            return Push(damper=np.full(4, 9e3), **reach)
-        tries[-1] += 1
-        return Push(damper=at_once.damper[tick : tick + 4], **reach) if tries[-1] < 3 else None
-
+def test_ground_that_is_cut_has_the_same_bits_both_ways(both_ways):
+    """With ripple, in a step sideways, and where ground is split and a run is resumed."""
+    circuit = cutting_circuit(REFERENCE_MACHINE, Egg(0.5))
+    concrete = Ground(20e6, 2.0, normal=0.5, ripple=0.3, ripple_frequency=12.0)
+    limits = Limits(feed=0.1, acceleration=0.5, power=3000, ground=concrete)
+    made = plan(circuit, limits, tolerance=1e-3, laps=2, advance=0.04)
+    values, slopes = whole_run(made)
+    first = int(made.entry.ticks.sum())
+    step = first + int(made.ticks.sum()) - len(made.back) + 1
     loop = replace(LOOPS["usual"], delay=2, integral=3.0)  # which remember what went before
-    given = dict(slopes=SLOPES, push=at_once), dict(slopes=SLOPES, push=with_wrong_tries)
-    assert_same_bits([follow(OILY, loop, RAMP, **one) for one in given])
+    slots = []
+
+    def run(begin, full):
+        part = slice(begin, begin + 40)
+        run_values = values[begin : begin + 41]
+        face = Face(made, concrete, run_values, first - begin, (60, 240), 0.1)
+        face.wall.cut_path(made.centres(run_values[:1]), 0.2)
+        if full:  # a thin layer within the tunnel, and the ground behind it
+            face.wall.low[0] -= 0.03
+            split = face.wall.low[0] + 0.005
+            face.wall.add_slot()
+            face.wall.low[1], face.wall.high[1] = split + 0.005, face.wall.high[0]
+            face.wall.high[0] = split
+        track = follow(OILY, loop, run_values, slopes=slopes[part], push=face,
+                       arm=arm_of(REFERENCE_MACHINE, SIZES))  # fmt: skip
+        slots.append(len(face.wall.low))
+        return track, face
+
+    for begin, full in ((first - 20, False), (step, False), (first + 400, True)):
+        (plain, one), (fast, other) = both_ways(lambda begin=begin, full=full: run(begin, full))
+        assert_same_bits((plain, fast))
+        np.testing.assert_array_equal(one.force, other.force)
+        np.testing.assert_array_equal(one.wall.low, other.wall.low)
+        np.testing.assert_array_equal(one.wall.high, other.wall.high)
+        assert one.removed.sum() > 0
 
 
 TORI = {

@@ -75,12 +75,15 @@ def test_front_takes_what_a_wall_that_is_cut_would_lose(s, advance, close):
     wall.cut_path(centres[: here + 1], radius)
     ahead = centres[here + 1] - centres[here]
     ahead /= np.linalg.norm(ahead)
-    _, area, _ = wall.front(centres[here] + [0 * ahead, 1e-5 * ahead], radius)
+    out = np.array([0.0, *CIRCUIT.profile.normal(way[here])])
+    area, facing = (
+        wall.copy().cut_path(centres[here] + [0 * one, 1e-9 * one], radius) / 1e-9
+        for one in (ahead, out)
+    )
     place = way[here : here + 1]
-    assert engaged_areas(CIRCUIT, place, advance)[0] == pytest.approx(area @ ahead, rel=close)
+    assert engaged_areas(CIRCUIT, place, advance)[0] == pytest.approx(area, rel=close)
     if not advance:
-        out = np.array([0.0, *CIRCUIT.profile.normal(place[0])])
-        assert facing_areas(CIRCUIT, place)[0] == pytest.approx(area @ out, rel=0.013)
+        assert facing_areas(CIRCUIT, place)[0] == pytest.approx(facing, rel=0.013)
 
 
 @pytest.mark.parametrize("advance", [0.04, 0.08])

@@ -11,7 +11,7 @@ import pytest
 from report.live.javascript import Untranslated, script, take_back
 from tunneller_lib.kernels.compiled import call_plain, cosine
 from tunneller_lib.motion import Compressible, Integrator, Lag, Loop, Push, Resonance, Rigid
-from tunneller_lib.motion.both_joints import least_parts, machine_of, parts_in
+from tunneller_lib.motion.both_joints import PUSHED, least_parts, machine_of, parts_in
 from tunneller_lib.motion.hydraulics import spool_at
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
@@ -98,8 +98,8 @@ def test_both_joints_run_in_javascript_as_in_python(shared):
     plants = [Compressible(axis) for axis in AXES]
     ramp = 1 - np.cos(np.linspace(0, 2, 41))
     setvalues = np.stack([0.1 + 0.02 * ramp, 0.2 - 0.01 * ramp], axis=-1)
-    push = Push((200.0, 100.0), 2e4, (0.9, 0.8), (0.1, 0.2), (3e3, -2e3))
-    rows = np.array(np.broadcast_to(push.rows, (40, 9)))
+    push = Push((200.0, 100.0), 2e4, (0.9, 0.8), (0.1, 0.2), (0.01, -0.02, 0.03))
+    rows = np.array(np.broadcast_to(push.rows, (40, PUSHED)))
     weights = [None, None] if arm is None else arm.weight(setvalues[0]).tolist()
     starts = zip(plants, setvalues[0].tolist(), weights, strict=True)
     state = (*(tuple(map(float, plant.rest(*rest))) for plant, *rest in starts), (0.0,) * 5)

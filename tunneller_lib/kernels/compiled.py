@@ -120,7 +120,7 @@ def _imported(_found):
     return True
 
 
-def call(function, *arguments, kind=None, **parts):
+def call(function, *arguments, kind=None, arrays=None, **parts):
     """Return what a function of numbers, tuples and rows returns, compiled if loops are by now.
 
     Parameters
@@ -132,6 +132,9 @@ def call(function, *arguments, kind=None, **parts):
         function may change.
     kind : object, optional
         The kind of loop; needed unless the caller has asked whether it is `ready`.
+    arrays : dict of functions, optional
+        Functions of whole arrays, which plain Python calls in the place of the loops of these
+        names that `function` itself calls. They get arrays where tuples hold them.
     **parts
         Functions to be called in the place of those that have these names.
     """
@@ -139,6 +142,8 @@ def call(function, *arguments, kind=None, **parts):
         with _compiling:
             fast = _compiled(function, *parts.items())
         return _run(fast, arguments)
+    if _Work.other is None and arrays is not None:
+        return call_plain(_by_arrays(function, *arrays.items(), **parts), *arguments)
     return (_Work.other or call_plain)(function, *arguments, **parts)
 
 
@@ -196,6 +201,14 @@ def root(x):
 def _replaced(function, *parts):
     """Return a copy of a function that calls `parts` in the place of functions of their names."""
     return _copied(function, dict(parts), lambda copy: copy, {})
+
+
+@functools.lru_cache(32)
+def _by_arrays(function, *arrays, **parts):
+    """Return a copy of a function that calls `arrays` itself, and `parts` as of `_replaced`."""
+    copy = _replaced(function, *parts.items())
+    names = copy.__globals__ | dict(arrays)
+    return FunctionType(copy.__code__, names, copy.__name__, copy.__defaults__, copy.__closure__)
 
 
 @functools.cache

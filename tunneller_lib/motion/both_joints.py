@@ -5,6 +5,7 @@ integrated together with the states, so that they can be balanced after each tic
 """
 
 import math
+from abc import ABC, abstractmethod
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -30,51 +31,62 @@ ENERGIES = "supplied", "valves and leaks", "compressed oil", "friction", "ground
 # is stable up to 2.78.
 DAMPED = 2.0
 MOST_PARTS = 1_000_000  # integration steps in a tick
+PUSHED = 10  # numbers in a row of `Push.rows`
 
 
 class Push(NamedTuple):
     """The ground's resistance to both joints, in one tick or in several successive ones.
 
-    Positive motion of joint i, which turns at the rate w_i, is resisted by the torque torque_i +
-    F (lever_i^2 w_i / v + across_i), with the cutter's speed v = |(lever_i w_i)| and the force
-    F = damper v + max(front . w, 0).
+    Joint i, which turns at the rate w_i, moves the cutter at the speed u_i = lever_i w_i + drift_i
+    along its own direction, and the machine moves it at drift_n across both. With the whole speed
+    v = |u| and the force F = damper v, positive motion of the joint is resisted by the torque
+    torque_i + F (lever_i u_i / v + across_i).
 
     Parameters
     ----------
     torque : (..., 2) float
-        Torques that don't depend on the rates, in N m.
+        Torques that don't depend on the motion, in N m.
     damper : (...) float
         Force against the motion per speed, in N s/m.
     lever : (..., 2) float
         How far a radian of each joint moves the cutter, in m.
     across : (..., 2) float
         Levers of the force's part across the motion, in m.
-    front : (..., 2) float
-        Force against the motion per rate of each joint, in N s. A joint that turns the cutter
-        away from the ground reduces the force.
+    drift : (..., 3) float
+        Speed of the cutter with the machine, along the ways of both joints and across both, in m/s.
 
     Examples
     --------
     >>> Push(torque=(20.0, 10.0)).rows.tolist()
-    [[20.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
+    [[20.0, 10.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
     """
 
     torque: tuple | np.ndarray = (0.0, 0.0)
     damper: float | np.ndarray = 0.0
     lever: tuple | np.ndarray = (0.0, 0.0)
     across: tuple | np.ndarray = (0.0, 0.0)
-    front: tuple | np.ndarray = (0.0, 0.0)
+    drift: tuple | np.ndarray = (0.0, 0.0, 0.0)
 
     @property
     def rows(self):
-        """Return torque, damper, lever, across and front as rows (n, 9), one for each tick."""
-        pairs = self.torque, self.lever, self.across, self.front
-        rows = np.empty(
-            (*np.broadcast_shapes(np.shape(self.damper), *(np.shape(p)[:-1] for p in pairs)), 9)
-        )
-        rows[..., :2], rows[..., 3:5], rows[..., 5:7], rows[..., 7:] = pairs
+        """Return torque, damper, lever, across and drift as rows (n, 10), one for each tick."""
+        groups = self.torque, self.lever, self.across, self.drift
+        shapes = np.shape(self.damper), *(np.shape(one)[:-1] for one in groups)
+        rows = np.empty((*np.broadcast_shapes(*shapes), PUSHED))
+        rows[..., :2], rows[..., 3:5], rows[..., 5:7], rows[..., 7:] = groups
         rows[..., 2] = self.damper
-        return rows.reshape(-1, 9)
+        return rows.reshape(-1, PUSHED)
+
+
+class Resistance(ABC):
+    """What resists both joints in the place of a `Push`, where it depends on how they move."""
+
+    @abstractmethod
+    def run(self, machine, tick, controls, memories, least, setvalues, slopes, states, commands):
+        """Run both joints as `ticks.run_joints` does; return the number of full ticks.
+
+        The arguments are the same, with the `least` number of steps in a tick.
+        """
 
 
 class TwoAxes(NamedTuple):
@@ -101,8 +113,7 @@ def least_parts(axes, tick):
 def parts_in(machine, least, rows, tick):
     """Return the numbers (n,) of steps, at least `least`, for ticks in s of a `machine`.
 
-    The `TwoAxes` are pushed by `rows` of a `Push`. In hard ground the damper makes the equations
-    stiff: their fastest rate is then the damper times lever^2 over the inertia.
+    The `TwoAxes` are pushed by `rows` of a `Push`.
 
     Examples
     --------
@@ -113,18 +124,36 @@ def parts_in(machine, least, rows, tick):
     Traceback (most recent call last):
     ValueError: ground: must be so soft that a tick takes at most 1000000 steps; got 1e+12 N ...
     """
-    inertia = least_inertias(machine)
-    lever = rows[:, 3:5]
-    stiff = rows[:, 2] * (lever**2 / inertia).max(axis=-1)
-    pressed = np.abs(rows[:, 7:])
-    stiff = stiff + (pressed * (np.abs(lever) + np.abs(rows[:, 5:7])) / inertia).sum(axis=-1)
-    parts = np.maximum(least, np.ceil(tick * stiff / DAMPED))
-    if not parts.max(initial=0.0) <= MOST_PARTS:
-        raise ValueError(
-            f"ground: must be so soft that a tick takes at most {MOST_PARTS} steps; got "
-            f"{np.abs(rows[:, [2, 7, 8]]).max():.3g} N for each metre or radian a second."
-        )
-    return parts.astype(np.int64)
+    inertias = least_inertias(machine)
+    parts = np.array([damped_parts(least, inertias, row, tick) for row in rows.tolist()])
+    if parts.max(initial=0) > MOST_PARTS:
+        raise ValueError(too_hard(rows[:, 2].max()))
+    return parts
+
+
+def damped_parts(least, inertias, push, tick):
+    """Return the number of steps, at least `least`, for a tick in s; beyond `MOST_PARTS` one more.
+
+    In hard ground the damper makes the equations stiff: their fastest rate is then the damper times
+    lever^2 over the inertia, of which `inertias` are the least ones. `push` is a row of `Push`.
+    """
+    _, _, damper, theta_lever, phi_lever, theta_across, phi_across, _, _, _ = push
+    theta_inertia, phi_inertia = inertias
+    along = max(theta_lever * theta_lever / theta_inertia, phi_lever * phi_lever / phi_inertia)
+    aside = abs(theta_lever * theta_across) / theta_inertia
+    aside += abs(phi_lever * phi_across) / phi_inertia
+    parts = tick * damper * (along + aside) / DAMPED
+    if not parts <= MOST_PARTS:
+        return MOST_PARTS + 1
+    return max(least, -math.floor(-parts))
+
+
+def too_hard(damper):
+    """Return the sentence that refuses a ground whose damper, in N s/m, takes too short steps."""
+    return (
+        f"ground: must be so soft that a tick takes at most {MOST_PARTS} steps; got {damper:.3g} N "
+        "for each metre a second."
+    )
 
 
 @lru_cache(64)
@@ -202,19 +231,15 @@ def machine_slopes(machine, state, openings, push):
         phi_lever,
         theta_across,
         phi_across,
-        theta_front,
-        phi_front,
+        theta_drift,
+        phi_drift,
+        drift,
     ) = push
-    rise = theta_lever * v
-    turn = phi_lever * w
-    speed = math.sqrt(rise * rise + turn * turn)
-    # The front's force acts along the motion, like the damper's: divided by the speed, it adds to
-    # the damper.
-    pressed = theta_front * v + phi_front * w
-    if pressed > 0 and speed > 0:
-        damper += pressed / speed
-    # The force is damper times speed. Along the motion its lever is lever^2 times rate over speed,
-    # so that the speed cancels.
+    rise = theta_lever * v + theta_drift
+    turn = phi_lever * w + phi_drift
+    speed = math.sqrt(rise * rise + turn * turn + drift * drift)
+    # The force is damper times speed. Along the motion its lever is lever times the joint's share
+    # of the speed, so that the speed cancels.
     theta_pushed = theta_torque + damper * (theta_lever * rise + speed * theta_across)
     phi_pushed = phi_torque + damper * (phi_lever * turn + speed * phi_across)
     lift -= theta_rubbed + theta_pushed

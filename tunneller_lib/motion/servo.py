@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import Array, Each, Whole, checked, shown
 from ..surfaces.linkage import check_stroke
 from .arm import Arm
-from .both_joints import Push
+from .both_joints import Push, Resistance
 from .loop import Loop
 from .plant import NoLinearForm, Plant
 from .stability import is_stable
@@ -132,7 +132,7 @@ def follow(
     slopes: Slopes | None = None,
     inverse: Callable[[float, float], float] | None = None,
     arm: Arm | None = None,
-    push: Push | Callable | None = None,
+    push: Push | Resistance | None = None,
 ):
     """Return the run of set-values through position loops and the axes that they move.
 
@@ -152,12 +152,8 @@ def follow(
         The masses on theta and phi, through which the joints act on each other; for two
         `Compressible` plants. Without it each axis has the inertia and the weight of its own
         `Hydraulics`.
-    push : Push or function, optional
-        The push on two `Compressible` plants in all ticks; or a function (tick, tried) that returns
-        a `Push` or None. It is called first with `tried` None and returns the push of the next m
-        ticks, for an m of its choice. Then it is called with the m + 1 positions (m + 1, 2) that
-        the push led to, beginning with the one before these ticks, and returns another push, with
-        which the ticks are run again, or None, which keeps them.
+    push : Push or Resistance, optional
+        The push on two `Compressible` plants, or what else resists them, as `ream.face.Face`.
 
     Returns
     -------

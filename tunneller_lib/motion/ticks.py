@@ -7,13 +7,12 @@ import numpy as np
 
 from ..arguments import shown
 from ..kernels.compiled import call, call_plain, expect
-from .both_joints import ENERGIES, Push, least_parts, machine_of, machine_tick, parts_in
+from .both_joints import ENERGIES, PUSHED, Push, least_parts, machine_of, machine_tick, parts_in
 from .hydraulics import spool_at
 from .oil import Compressible, out_of_stroke
 
 # Times that a tick and each step of its integration take in plain Python, in s.
 PLAIN_TICK, PLAIN_PART = 2e-6, 3e-5
-TRIES = 3  # of a tick, about, until its motion agrees with a push that depends on it
 
 
 class Control(NamedTuple):
@@ -129,24 +128,37 @@ def run_joints(
     theta = machine.theta
     phi = machine.phi
     for n in range(len(parts)):
-        theta_u, memories[0][0] = commanded(
-            theta, controls[0], memories[0][0], setvalues[n][0], slopes[n][0], state[0][0]
-        )
-        phi_u, memories[1][0] = commanded(
-            phi, controls[1], memories[1][0], setvalues[n][1], slopes[n][1], state[1][0]
-        )
-        theta_u = delayed(controls[0], memories[0], first + n, theta_u)
-        phi_u = delayed(controls[1], memories[1], first + n, phi_u)
-        state = machine_tick(machine, state, (theta_u, phi_u), pushes[n], parts[n], tick)
-        commands[n][0] = theta_u
-        commands[n][1] = phi_u
-        for i in range(5):
-            states[n + 1][i] = state[0][i]
-            states[n + 1][5 + i] = state[1][i]
-            states[n + 1][10 + i] = state[2][i]
+        openings = opened(machine, controls, memories, first + n, state, setvalues[n], slopes[n])
+        state = machine_tick(machine, state, openings, pushes[n], parts[n], tick)
+        note(state, openings, states[n + 1], commands[n])
         if not theta.low <= state[0][0] <= theta.high or not phi.low <= state[1][0] <= phi.high:
             return n
     return len(parts)
+
+
+def opened(machine, controls, memories, tick, state, setvalue, slope):
+    """Return the commands that reach the valves of both joints in a tick, and keep their memories.
+
+    The arguments are those of `run_joints`, with the `setvalue` and the `slope` of the tick.
+    """
+    theta_u, memories[0][0] = commanded(
+        machine.theta, controls[0], memories[0][0], setvalue[0], slope[0], state[0][0]
+    )
+    phi_u, memories[1][0] = commanded(
+        machine.phi, controls[1], memories[1][0], setvalue[1], slope[1], state[1][0]
+    )
+    theta_u = delayed(controls[0], memories[0], tick, theta_u)
+    return theta_u, delayed(controls[1], memories[1], tick, phi_u)
+
+
+def note(state, openings, states, commands):
+    """Fill in the row of `states` and of `commands` of a tick of both joints."""
+    commands[0] = openings[0]
+    commands[1] = openings[1]
+    for i in range(5):
+        states[i] = state[0][i]
+        states[5 + i] = state[1][i]
+        states[10 + i] = state[2][i]
 
 
 def run_each(plants, loops, setvalues, slopes, own_inverse):
@@ -207,8 +219,6 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     slopes = slopes.copy()
     tick = loops[0].tick
     ticks = len(slopes)
-    if not callable(push):
-        every = np.broadcast_to((push or Push()).rows, (ticks, 9))
     loads = [None, None] if arm is None else arm.weight(setvalues[0]).tolist()
     starts = zip(plants, setvalues[0].tolist(), loads, strict=True)
     rests = [plant.rest(angle, load) for plant, angle, load in starts]
@@ -218,34 +228,21 @@ def run_together(plants, loops, setvalues, slopes, own_inverse, arm, push):
     machine = machine_of(axes, arm)
     controls = tuple(map(control_of, loops))
     memories = np.zeros((2, 1 + max(loop.delay for loop in loops)))
-    tries = ticks * (TRIES if callable(push) else 1)
-    expect(sum(plain_seconds(plant.numbers(tick), tries) for plant in plants), "axes")
+    expect(sum(plain_seconds(plant.numbers(tick), ticks) for plant in plants), "axes")
     least = least_parts(axes, tick)
-    done = 0
-    while done < ticks:
-        # A function gives the push of some ticks. Once they are run, it may give another push, with
-        # which they are run again from the same state and memories.
-        answer = push(done, None) if callable(push) else every
-        state = tuple(map(tuple, states[done].reshape(3, 5).tolist()))
-        remembered = memories.copy()
-        while answer is not None:
-            rows = answer.rows if callable(push) else every
-            # Always in one memory order, so that one compiled form suffices.
-            rows = np.array(rows[: ticks - done], order="C")
-            end = done + len(rows)
-            memories[:] = remembered
-            begun = machine, tick, controls, memories, done, state
-            wanted = setvalues[done:end], slopes[done:end]
-            pushed = rows, parts_in(machine, least, rows, tick)
-            filled = states[done : end + 1], commands[done:end]
-            given = *begun, *wanted, *pushed, *filled
-            kept = _run(run_joints, given, own_inverse, commanding=spool_at)
-            if kept < len(rows):  # an axis has left its stroke
-                for axis, angle in zip(axes, states[done + kept + 1, [0, 5]], strict=True):
-                    if not axis.low <= angle <= axis.high:
-                        raise out_of_stroke(axis, angle)
-            answer = push(done, states[done : end + 1, [0, 5]]) if callable(push) else None
-        done = end
+    begun = machine, tick, controls, memories
+    if push is None or isinstance(push, Push):
+        rows = np.array(np.broadcast_to((push or Push()).rows, (ticks, PUSHED)))
+        state = tuple(map(tuple, states[0].reshape(3, 5).tolist()))
+        parts = parts_in(machine, least, rows, tick)
+        given = *begun, 0, state, setvalues, slopes, rows, parts, states, commands
+        kept = _run(run_joints, given, own_inverse, commanding=spool_at)
+    else:
+        kept = push.run(*begun, least, setvalues, slopes, states, commands)
+    if kept < ticks:
+        for axis, angle in zip(axes, states[kept + 1, [0, 5]], strict=True):
+            if not axis.low <= angle <= axis.high:
+                raise out_of_stroke(axis, angle)
     return [states[:, :5], states[:, 5:10]], list(commands.T), states[:, 10:]
 
 

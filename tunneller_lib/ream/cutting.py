@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from ..motion.tasks import Task, hand_over
 from ..removal import DexelGrid, Ground
 from ..removal.dexel import Shape
 from .both_axes import Loops, Plants, check_ticks
-from .face import BESIDE, Face
+from .face import BESIDE, TOGETHER, Face
 from .planning import Plan, Run
 from .pose import Pose
 from .wall import intact_wall, overbreak, standing
@@ -50,7 +49,7 @@ class Cut:
     plunged : float
         Volume removed on the entry and the exit together, in m^3.
     force : (ticks,) float or None
-        The ground's force against the feed at the beginning of each tick, in N; None if the
+        The ground's force against the cutter's way, its mean over each tick, in N; None if the
         ground doesn't push.
     """
 
@@ -176,12 +175,9 @@ def simulate(
     last = first + plan.laps * int(plan.ticks.sum())
     face = None
     if ground is not None:
-        noted = first + _noted(plan)
-        wall = setvalues, first, shape, thickness
         report = _progress(plan, say, first)
-        face = Face(plan, ground, *wall, pose=pose, noted=noted, say=report)
-    push = face and face.push
-    track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=push)
+        face = Face(plan, ground, setvalues, first, shape, thickness, pose=pose, say=report)
+    track = follow(plant, loop, setvalues, slopes=slopes, arm=arm, push=face)
     for joint, name in enumerate(("theta", "phi")):
         if track.stable[joint] is False:
             raise ValueError(_unstable(name, plant[joint], loop[joint], setvalues[:, joint]))
@@ -189,22 +185,20 @@ def simulate(
     laps = track.between(first, last)
     if face is None:
         return replace(_carved(plan, laps.position, ends, pose, shape, thickness, say), track=laps)
-    face.finish(track.position)
     centres, before, after = _centres(plan, laps.position, ends, pose)
-    start, stop = _ends(np.concatenate([before, centres, after]), face.radius)
+    radius = plan.circuit.machine.cutter_radius
+    start, stop = _ends(np.concatenate([before, centres, after]), radius)
     if start < face.ends[0] or stop > face.ends[1]:
         raise ValueError(
             f"ground: must hold the cutter back by less than {BESIDE:g} m along the tunnel, since "
             "no ground is modelled beyond."
         )
     standing(face.wall)  # raises if a ray is cut through
-    so_far = np.concatenate([[0.0], np.cumsum(face.removed)])
-    removed = np.diff(so_far[noted])
-    plunged = float(so_far[-1] - removed.sum())
-    force = face.force(track)[first:last]
-    return Cut(
-        plan, laps, centres, face.wall, noted - first, removed, before, after, plunged, force
-    )
+    noted = _noted(plan)
+    removed = np.add.reduceat(face.removed[first:last], noted[:-1])
+    plunged = float(face.removed[:first].sum() + face.removed[last:].sum())
+    force = face.force[first:last]
+    return Cut(plan, laps, centres, face.wall, noted, removed, before, after, plunged, force)
 
 
 def _unstable(name, plant, loop, reached):
@@ -280,14 +274,15 @@ def _carved(plan, position, ends, pose, shape, thickness, say):
     wall = intact_wall(plan.circuit, start, stop, shape, thickness=thickness)
     noted = _noted(plan)
     plunged = wall.cut_path(before, reach) if len(before) else 0.0
-    removed = []
     report = _progress(plan, say)
-    for a, b in pairwise(noted):
-        removed.append(wall.cut_path(centres[a : b + 1], reach))
-        report(b)
+    volumes = []
+    for a in range(0, noted[-1], TOGETHER):
+        volumes.append(wall.cut_moves(centres[a : a + TOGETHER + 1], reach))
+        report(min(a + TOGETHER, noted[-1]))
+    removed = np.add.reduceat(np.concatenate(volumes), noted[:-1])
     plunged += wall.cut_path(after, reach) if len(after) else 0.0
     standing(wall)  # raises if a ray is cut through
-    return Cut(plan, None, centres, wall, noted, np.array(removed), before, after, plunged)
+    return Cut(plan, None, centres, wall, noted, removed, before, after, plunged)
 
 
 def _centres(plan, position, ends, pose):

@@ -31,12 +31,12 @@ def loaded_lap(plan, plant, loop, arm, ground):
     # All laps begin and end with the cutter at rest in the ground, so one stands for all.
     wanted = plan.circuit.position(plan.places)
     rates = np.diff(wanted, axis=0) / plan.tick
-    push = None
+    face = None
     if ground is not None:
         face = Face(replace(plan, laps=1), ground, wanted, 0, SHAPE, THICKNESS)
-        face.wall.cut_path(plan.centres(wanted[:1]), face.radius)  # where the lap begins
-        push = face.push
-    track = follow(plant, loop, wanted, slopes=rates, arm=arm, push=push)
+        # Where the lap begins.
+        face.wall.cut_path(plan.centres(wanted[:1]), plan.circuit.machine.cutter_radius)
+    track = follow(plant, loop, wanted, slopes=rates, arm=arm, push=face)
     return plan.circuit.overbreak(track.position)
 
 

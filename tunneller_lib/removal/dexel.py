@@ -1,20 +1,16 @@
 """Grids of intervals (dexels): what is left of a block or of a tunnel's wall after cuts."""
 
 import os
-from functools import partial
 
 import numpy as np
 
 from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, checked
 from ..kernels import compiled
-from ..kernels.elementwise import NUMBERS
 from ..surfaces.solid import Solid
-from .grid import Lines, ball_about, fan, meet_moves, parallel, swept
+from .grid import BLOCK, Lines, fan, parallel
+from .sweep import ARRAYS, LOOPS, Found, Grid, cut_moves
 
-GROUP = 8  # moves of a path that are cut together
-MOVE = 4e-4  # s, about what one move takes with whole arrays
-LEAN = 1e-2  # the least cosine that is taken between a line and the ball's normal
-TOGETHER = 0.5  # of the radius: moves are cut together whose ends are so near to their middle
+MOVE = 2e-4  # s, about what one move takes with whole arrays
 
 # What arguments may be, in this room and in those above it.
 Shape = Wholes("(2,) int", 1, 2**53)
@@ -182,153 +178,58 @@ class DexelGrid:
         removed : float
             The volume, in m^3.
         """
-        if len(centres) == 1:
-            return self._take(self._met_by(centres.repeat(2, axis=0), radius))
-        removed = 0.0
-        for here in range(0, len(centres) - 1, GROUP):
-            way = centres[here : here + GROUP + 1]
-            # Long moves go one after the other: most lines about all of them are met by none.
-            if ball_about(way)[1] > TOGETHER * radius:
-                for k in range(len(way) - 1):
-                    removed += self._take(self._met_by(way[k : k + 2], radius))
-            else:
-                removed += self._take(self._met_by(way, radius))
-        return removed
+        return float(np.cumsum(np.append(0.0, self.cut_moves(centres, radius)))[-1])
 
     @checked
-    def front(self, centres: Centres, radius: Length):
-        """Return what a ball would remove along a path, where, and how to have it removed.
+    def cut_moves(self, centres: Centres, radius: Length):
+        """Remove what a ball sweeps along a path, and return what each of its moves removes.
 
         Parameters
         ----------
         centres : (n, 3) float
-            Its centres, in m, at least two, joined by short straight moves.
+            Its centres, in m, joined by straight moves.
         radius : float
             In m.
 
         Returns
         -------
-        volume : float
-            What `cut_path` would remove, in m^3.
-        area : (3,) float
-            The sum of the ball's surface over all places where it would cut, each along the
-            outward normal, in m^2: a further short move d removes the dot product area . d more,
-            as long as it goes on cutting there.
-        cut : function
-            Called without arguments it removes what is still there of this and returns the volume,
-            in m^3.
+        removed : (n - 1,) float
+            Volumes, in m^3; a single centre is a move from it to itself.
         """
-        if len(centres) < 2:
-            raise ValueError(f"centres: must be at least two; got {len(centres)}.")
-        volume = 0.0
-        area = np.zeros(3)
-        cuts = list(self._met_by(centres, radius))
-        for i, j, enters, leaves in cuts:
-            # Moves that follow each other take one interval of a line together.
-            for found in self._met(enters.min(axis=0), leaves.max(axis=0), i, j):
-                volume += self._shared(*found)[0]
-                area += self._facing(*found, centres[-1], radius)
-        return volume, area, partial(self._take, cuts)
+        if len(centres) == 1:
+            centres = centres.repeat(2, axis=0)
+        moves = max(len(centres) - 1, 0)
+        removed = np.zeros(moves)
+        centres = np.array(centres, order="C")
+        compiled.expect(MOVE * moves, "grid")
+        found = self.room(BLOCK)
+        done = 0
+        while True:
+            given = self.rows, centres, radius, done, removed, found
+            done = compiled.call(cut_moves, *given, kind="grid", arrays=ARRAYS, **LOOPS)
+            if done == moves:
+                return removed
+            self.add_slot()
 
-    def _facing(self, slot, place, enter, leave, centre, radius):
-        """Return the area vector (3,), in m^2, of the part of a ball that cuts.
+    @property
+    def rows(self):
+        """Return the grid as the loops of the module `sweep` take it, a `Grid`."""
+        x, cos, sin, aside, cell, rays = self.lines
+        flat = self.low.reshape(-1), self.high.reshape(-1)
+        return Grid(*self.low.shape, cell, rays, *flat, x, cos, sin, aside, self._nearest)
 
-        That is where cuts `enter` and `leave` within the material of a `slot`, on the ball about a
-        `centre`; a cut that ends outside the material has no face there.
-        """
-        lines = self.lines
-        i, j = place
-        cos = lines.cos[j]
-        sin = lines.sin[j]
-        area = np.zeros(3)
-        for t, sign, within in (
-            (leave, 1.0, leave < self.high[slot][place]),
-            (enter, -1.0, enter > self.low[slot][place]),
-        ):
-            if not within.any():  # nearly always where cuts enter, from the hollow of the tunnel
-                continue
-            ends = np.stack([lines.x[i], lines.aside[j] * sin, -lines.aside[j] * cos], axis=-1)
-            ends += t[:, None] * np.stack([0 * cos, cos, sin], axis=-1)
-            out = ends - centre
-            # The surface is as much larger than the cell as its normal leans away from the line.
-            along = np.maximum(sign * (out[:, 1] * cos + out[:, 2] * sin), LEAN * radius)
-            cells = within * lines.cell * (t if lines.rays else 1.0)
-            area += np.sum(out * (cells / along)[:, None], axis=0)
-        return area
+    def room(self, lines):
+        """Return the `Found` with room for so many lines, or at least for those of a plane."""
+        _, n, m = self.low.shape
+        size = max(min(lines, n * m), m)
+        return Found(np.empty(size, dtype=int), np.empty(size), np.empty(size), np.empty(6 * m))
 
-    def _take(self, cuts):
-        """Remove cuts as `_met_by` yields them, and return the volume, in m^3."""
-        removed = 0.0
-        for i, j, enters, leaves in cuts:
-            for enter, leave in zip(enters, leaves, strict=True):
-                removed += self._taken(enter, leave, i, j)
-        return removed
-
-    def _met_by(self, centres, radius):
-        """Yield the lines i, j whose material a ball may reach on its way, and its cuts.
-
-        The ball, of this radius, in m, moves from centre to centre (k + 1, 3). Cuts are where it
-        enters and leaves these lines: one row for all moves together, or one for each.
-        """
-        # Most lines of the window were cut as far as this by earlier moves. One ball about all
-        # these moves, larger by more than its rounding, tells which lines have material in reach,
-        # and only those are compared with the moves one by one.
-        middle, away = ball_about(centres)
-        about = (radius + away) * (1 + 1e-9)
-        compiled.expect(MOVE * (len(centres) - 1), "grid")
-        met = self._moves_one_by_one if compiled.ready("grid") else self._moves_at_once
-        for window in self.lines.blocks(self.lines.window(centres, radius, self._nearest)):
-            yield met(centres[:-1], centres[1:], radius, middle, about, *window)
-
-    def _moves_at_once(self, a, b, radius, middle, about, rows, columns):
-        """Return what `_met_by` yields of one window, by whole arrays.
-
-        A ball about the `middle` of the radius `about` holds all moves, in m.
-        """
-        enter, leave = self.lines.meet_ball(middle, about, rows, columns)
-        low = self.low[:, rows, columns]
-        high = self.high[:, rows, columns]
-        i, j = np.nonzero(np.any((enter < high) & (leave > low) & (low < high), axis=0))
-        i = i + rows.start
-        j = j + columns.start
-        seen = self.lines.seen(a, b, j[:, None])
-        enter, leave = swept(self.lines.x[i, None], self.lines.aside[j[:, None]], radius, seen)
-        enter = enter[..., 0]
-        leave = leave[..., 0]
-        # What a move takes from a line nearly always overlaps with what the moves before it
-        # took, as they share a ball. While that holds on every line the moves together take
-        # one interval, which goes at once; one gap anywhere, and the moves go one by one.
-        first = np.minimum.accumulate(enter)
-        last = np.maximum.accumulate(leave)
-        met = (enter[1:] < leave[1:]) & (first[:-1] < last[:-1])
-        apart = (enter[1:] > last[:-1]) | (leave[1:] < first[:-1])
-        if np.any(met & apart):
-            return i, j, enter, leave
-        return i, j, first[-1:], last[-1:]
-
-    def _moves_one_by_one(self, a, b, radius, middle, about, rows, columns):
-        """Return what `_moves_at_once` does, with the same bits, by a compiled loop."""
-        size = (rows.stop - rows.start) * (columns.stop - columns.start)
-        i, j = np.empty((2, size), dtype=int)
-        enter, leave = np.empty((2, 1 + len(a), size))
-        x, cos, sin, aside, _, _ = self.lines
-        found, apart = compiled.call(
-            meet_moves,
-            self.low,
-            self.high,
-            (x, cos, sin, aside),
-            (rows.start, rows.stop, columns.start, columns.stop),
-            (*middle.tolist(), float(about)),
-            radius,
-            self.lines.seen(a, b, columns),
-            i,
-            j,
-            enter,
-            leave,
-            **NUMBERS,
-        )
-        cuts = slice(1, None) if apart else slice(1)
-        return i[:found], j[:found], enter[cuts, :found], leave[cuts, :found]
+    def add_slot(self):
+        """Give each line room for one more interval."""
+        _refuse(self.low.shape[1:], len(self.low) + 1)
+        empty = np.zeros((1, *self.low.shape[1:]))
+        self.low = np.concatenate([self.low, empty])
+        self.high = np.concatenate([self.high, empty])
 
     def _met(self, enter, leave, i, j):
         """Yield the intervals that a cut meets: their slot and lines, where it enters and leaves.
@@ -371,10 +272,7 @@ class DexelGrid:
         """Put intervals into the first free slots of their lines."""
         free = self.high[(slice(None), *place)] <= self.low[(slice(None), *place)]
         if not np.all(free.any(axis=0)):
-            _refuse(self.low.shape[1:], len(self.low) + 1)
-            empty = np.zeros((1, *self.low.shape[1:]))
-            self.low = np.concatenate([self.low, empty])
-            self.high = np.concatenate([self.high, empty])
+            self.add_slot()
             free = np.concatenate([free, np.ones_like(free[:1])])
         slot = np.argmax(free, axis=0)
         self.low[(slot, *place)] = low
