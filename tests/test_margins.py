@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 from tunneller_lib.job import read_job
+from tunneller_lib.kernels.compiled import call
 from tunneller_lib.motion import Compressible, Lag, Loop, Push, follow, reference_axes
+from tunneller_lib.motion.both_joints import Resistance, parts_in
+from tunneller_lib.motion.hydraulics import spool_at
+from tunneller_lib.motion.ticks import run_joints
 from tunneller_lib.paths import cutting_circuit
 from tunneller_lib.ream.front import engaged_areas
 from tunneller_lib.ream.margins import chatter_limit, gain_margins
@@ -53,21 +57,35 @@ def test_only_axes_with_cylinders_have_margins():
 # Picks that cut what the picks before them left
 
 
+class Picks(Resistance):
+    """Picks in step: each cuts what the one before it left on one joint's way, a period earlier."""
+
+    def __init__(self, joint, picks, damper, lever):
+        self.joint = joint
+        self.before = round(1 / picks / LOOP.tick)
+        self.stiffness = damper * lever**2 * picks
+        self.way = np.full(self.before + TICKS + 1, ANGLE)
+
+    def run(self, machine, tick, controls, memories, least, setvalues, slopes, states, commands):
+        for n in range(len(slopes)):
+            torque = np.zeros((1, 2))
+            off = self.way[self.before + n] - self.way[n]
+            torque[0, self.joint] = self.stiffness * off
+            state = tuple(map(tuple, states[n].reshape(3, 5).tolist()))
+            one = slice(n, n + 1)
+            rows = Push(torque=torque).rows
+            call(run_joints, machine, tick, controls, memories, n, state, setvalues[one],
+                 slopes[one], rows, parts_in(machine, least, rows, tick), states[n : n + 2],
+                 commands[one], kind="axes", commanding=spool_at)  # fmt: skip
+            self.way[self.before + n + 1] = states[n + 1, 5 * self.joint]
+        return len(slopes)
+
+
 def swing(joint, picks, damper, lever):
     """Return by how much a swing grows in a second, and its frequency in Hz, run tick by tick."""
-    before = round(1 / picks / LOOP.tick)
-    way = np.full(before + TICKS + 1, ANGLE)
-
-    def push(tick, tried):
-        if tried is not None:
-            way[before + tick + 1] = tried[-1, joint]
-            return None
-        torque = np.zeros((1, 2))
-        torque[0, joint] = damper * lever**2 * picks * (way[before + tick] - way[tick])
-        return Push(torque=torque)
-
     wanted = np.full((TICKS + 1, 2), ANGLE)
     wanted[1:] += 1e-5
+    push = Picks(joint, picks, damper, lever)
     off = follow(PLANTS, [LOOP] * 2, wanted, push=push).position[1:, joint]
     _, middle, end = off.reshape(3, -1) - off.reshape(3, -1).mean(axis=-1, keepdims=True)
     frequencies = np.fft.rfftfreq(len(end), LOOP.tick)

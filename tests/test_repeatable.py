@@ -43,6 +43,24 @@ def test_arctangent_is_right_to_two_roundings():
     assert off((repeatable.arctangent(*pair) for pair in pairs.T.tolist()), known) < 2
 
 
+def test_hyperbolic_tangent_is_right_to_three_roundings():
+    x = np.concatenate([SMALL, -SMALL, RNG.uniform(-25, 25, 3000), [0.0, 20.0, -20.0]])
+    with mp.workprec(120):
+        known = [mp.tanh(mp.mpf(one)) for one in x.tolist() if one]
+    assert off((repeatable.tangent(one) for one in x.tolist() if one), known) < 3
+    assert repeatable.tangent(0.0) == 0
+
+
+@pytest.mark.parametrize("name", ["sine", "cosine"])
+def test_far_angles_are_right_to_their_own_rounding(name):
+    x = RNG.uniform(-1e5, 1e5, 600)
+    with mp.workprec(120):
+        known = [getattr(mp, name[:3])(mp.mpf(one)) for one in x.tolist()]
+        off = [abs(mp.mpf(getattr(repeatable, name)(one)) - value)
+               for one, value in zip(x.tolist(), known, strict=True)]  # fmt: skip
+    assert float(max(off)) < 2 * 2**-52
+
+
 @pytest.mark.parametrize("y, x", [(0, 1), (0, -1), (1, 0), (-1, 0), (0, 0)])
 def test_arctangent_along_the_axes_is_exact(y, x):
     assert repeatable.arctangent(float(y), float(x)) == np.arctan2(y, x)

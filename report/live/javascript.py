@@ -20,6 +20,7 @@ from tunneller_lib.kernels import compiled
 HELPERS = """\
 const fail = (why) => { throw new RangeError(why); };
 const ratio = (a, b) => (b === 0 ? fail("division by zero") : a / b);
+const whole = (a, b) => Math.floor(ratio(a, b));
 const remainder = (a, b) => a - b * Math.floor(ratio(a, b));
 const root = (x) => (x < 0 ? fail("root of a negative number") : Math.sqrt(x));
 const greater = (a, b) => (b > a ? b : a);
@@ -31,9 +32,10 @@ const same = (x) => x;
 PLAIN = {"abs": "Math.abs", "len": "size", "float": "same", "max": "greater", "min": "lesser"}
 MATH = {"sqrt": "root", "copysign": "signed", "inf": "Infinity"}
 MATH |= {name: f"libm.{name}" for name in ("sin", "cos", "tanh")} | {"floor": "Math.floor"}
-KNOWN = {compiled.sine: "libm.sin", compiled.cosine: "libm.cos", compiled.root: "root"}
+MATH |= {"pi": "Math.PI", "atan2": "Math.atan2"}  # whose last bits no answer depends on
+KNOWN = {compiled.root: "root"}
 INFIX = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*"}
-CALLED = {ast.Div: "ratio", ast.Mod: "remainder"}
+CALLED = {ast.Div: "ratio", ast.Mod: "remainder", ast.FloorDiv: "whole"}
 COMPARED = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "===", ast.NotEq: "!=="}
 
 
@@ -107,6 +109,8 @@ class _Writer:
         match node:
             case ast.Expr(value=ast.Constant(value=str())):
                 return []
+            case ast.Expr(value=ast.Call() as call):
+                return [f"{self.value(call)};"]
             case ast.Return(value=value):
                 return [f"return {self.value(value)};"]
             case ast.Break():
@@ -206,12 +210,15 @@ class _Writer:
         if name in self.local:
             return f"${name}"
         known = self.parts.get(name, self.globals.get(name))
+        scalar = compiled.SCALARS.get(name)
+        if scalar and known is getattr(compiled, name):
+            known = scalar
         match known:
             case FunctionType() if known in KNOWN:
                 return KNOWN[known]
             case FunctionType():
                 return _named(known, self.parts, self.made)
-            case int() | float():
+            case int() | float() | tuple():
                 return json.dumps(known)
             case None if name in PLAIN:
                 return PLAIN[name]

@@ -94,18 +94,26 @@ def run_in_browser(function, *arguments, **parts):
         return compiled.call_plain(function, *arguments, **parts)
     given = [handed(one) for one in arguments]
     answer = run(*(rows for rows, _ in given))
-    for array, (_, flat) in zip(arguments, given, strict=True):
-        if flat is not None and array.flags.writeable:
-            take_back(array, flat.to_py())
+    for _, changed in given:
+        for array, flat in changed:
+            if array.flags.writeable:
+                take_back(array, flat.to_py())
     return answer
 
 
 def handed(one):
-    """Return an argument for the browser, and the flat numbers of an array, else None."""
-    if not isinstance(one, np.ndarray):
-        return named(one) if isinstance(one, tuple) else one, None
-    flat = to_js(one.astype(float).ravel())
-    return (js.rowsOf(flat, one.shape[1]) if one.ndim == 2 else flat), flat
+    """Return an argument for the browser, and pairs of its arrays and their flat numbers there."""
+    if isinstance(one, np.ndarray):
+        flat = to_js(one.astype(float).ravel())
+        return js.rowsOf(flat, one.shape[1]) if one.ndim == 2 else flat, [(one, flat)]
+    if isinstance(one, tuple) and any(isinstance(part, np.ndarray) for part in one):
+        parts = [handed(part) for part in one]
+        rows = [row for row, _ in parts]
+        if hasattr(one, "_fields"):
+            rows = dict(zip(one._fields, rows, strict=True))
+        changed = [pair for _, pairs in parts for pair in pairs]
+        return to_js(rows, dict_converter=js.Object.fromEntries), changed
+    return named(one) if isinstance(one, tuple) else one, []
 
 
 @lru_cache(64, typed=True)  # tuples of the same numbers may have other names

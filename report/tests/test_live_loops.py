@@ -16,6 +16,9 @@ from tunneller_lib.motion.hydraulics import spool_at
 from tunneller_lib.motion.plant import ValveResonance
 from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.motion.ticks import control_of, run_axis, run_joints
+from tunneller_lib.removal import DexelGrid
+from tunneller_lib.removal.sweep import LOOPS as OF_LINES
+from tunneller_lib.removal.sweep import cut_moves
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 NODE = shutil.which("node")
@@ -41,7 +44,9 @@ const libm = Math;
 const found = (() => {{ {script} }})();
 const rows = (table) => (Array.isArray(table?.[0]) ? table.map((r) => Float64Array.from(r))
                                                    : Float64Array.from(table));
-const given = {given}.map(([kind, one]) => (kind === "rows" ? rows(one) : one));
+const whole = (fields) => Object.fromEntries(Object.entries(fields).map(([k, v]) => [k, taken(v)]));
+const taken = ([kind, one]) => (kind === "rows" ? rows(one) : kind === "tuple" ? whole(one) : one);
+const given = {given}.map(taken);
 const answer = found(...given);
 console.log(JSON.stringify([answer, ...{filled}.map((at) => given[at]).map((table) =>
   table[0]?.length ? table.map((r) => [...r]) : [...table])]));
@@ -49,6 +54,9 @@ console.log(JSON.stringify([answer, ...{filled}.map((at) => given[at]).map((tabl
 
 
 def as_json(one):
+    if isinstance(one, tuple) and any(isinstance(part, np.ndarray) for part in one):
+        names = one._fields
+        return ["tuple", {name: as_json(part) for name, part in zip(names, one, strict=True)}]
     if isinstance(one, np.ndarray):
         return ["rows", one.tolist()]
     return ["value", with_names(one)]
@@ -114,6 +122,19 @@ def test_both_joints_run_in_javascript_as_in_python(shared):
     ]  # fmt: skip
     assert_same(run_joints, given, [3, 10, 11], commanding=spool_at)
     assert np.all(states[1:, 10] > 0)
+
+
+@pytest.mark.skipif(NODE is None, reason="node isn't installed")
+@pytest.mark.parametrize("rays", [False, True])
+def test_moves_are_cut_in_javascript_as_in_python(rays):
+    grid = (DexelGrid.radial(-0.4, 0.4, 0.3, 0.6, (12, 40)) if rays
+            else DexelGrid.cartesian((-0.4, -0.4, 0), (0.4, 0.4, 0.6), (12, 14)))  # fmt: skip
+    for _ in range(3):  # since lines are split
+        grid.add_slot()
+    way = np.cumsum(np.random.default_rng(2).uniform(-0.1, 0.1, (12, 3)), axis=0)
+    given = [grid.rows, np.add(way, (0.0, 0.2, 0.3)), 0.12, 0, np.zeros(11), grid.room(400)]
+    assert_same(cut_moves, given, [4], **OF_LINES)
+    assert given[4].sum() > 0
 
 
 MARGIN = np.radians(2)

@@ -3,7 +3,7 @@
 A function given to `call` works on numbers, tuples and rows that it reads and writes by index. It
 runs as it stands, on lists, or compiled, on arrays. Both take the same steps in the same order,
 without fast-math, so that every bit of the answers is the same. The function may use only what both
-compute alike: no powers and no `hypot`, whose last bits differ between libraries.
+compute alike: no powers, no `hypot` and no functions of the C library, whose last bits differ.
 """
 
 import functools
@@ -17,6 +17,9 @@ from types import FunctionType
 from typing import ClassVar
 
 import numpy as np
+
+from .repeatable import cosine as one_cosine
+from .repeatable import sine as one_sine
 
 LONG = 2.0  # s of plain Python, beyond which the time to load the compiler is well spent
 _compiling = threading.Lock()
@@ -183,18 +186,22 @@ def call_plain(function, *arguments, **parts):
 
 
 def sine(x):
-    """Return the sine of a float x, by the C library, or of an array, by numpy."""
-    return math.sin(x) if isinstance(x, float) else np.sin(x)
+    """Return the sine of a float x, the same everywhere, or of an array, by numpy."""
+    return one_sine(x) if isinstance(x, float) else np.sin(x)
 
 
 def cosine(x):
-    """Return the cosine of a float x, by the C library, or of an array, by numpy."""
-    return math.cos(x) if isinstance(x, float) else np.cos(x)
+    """Return the cosine of a float x, the same everywhere, or of an array, by numpy."""
+    return one_cosine(x) if isinstance(x, float) else np.cos(x)
 
 
 def root(x):
     """Return the square root of a float x or of an array."""
     return math.sqrt(x) if isinstance(x, float) else np.sqrt(x)
+
+
+# What a loop of numbers calls in the place of these.
+SCALARS = {"sine": one_sine, "cosine": one_cosine}
 
 
 @functools.lru_cache(32)
@@ -218,7 +225,8 @@ def _compiled(function, *parts):
 
     import numba
 
-    known = {sine: math.sin, cosine: math.cos, root: math.sqrt}
+    known = {root: math.sqrt}
+    parts = tuple((SCALARS | dict(parts)).items())
     options, inlined = getattr(function, "options", ({}, ()))
 
     def made(copy):

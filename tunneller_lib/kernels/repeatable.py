@@ -75,6 +75,35 @@ def sine_cosine(x):
     return sine, cosine
 
 
+def sine(x):
+    """Return the sine of any x, in rad."""
+    return sine_cosine(within_half_a_turn(x))[0]
+
+
+def cosine(x):
+    """Return the cosine of any x, in rad."""
+    return sine_cosine(within_half_a_turn(x))[1]
+
+
+def within_half_a_turn(x):
+    """Return an angle x less whole turns, in rad."""
+    turns = (x / (2 * math.pi) + WHOLE) - WHOLE
+    return ((x - turns * 4 * _HALF_PI[0]) - turns * 4 * _HALF_PI[1]) - turns * 4 * _HALF_PI[2]
+
+
+def tangent(x):
+    """Return the hyperbolic tangent of x, right to three roundings."""
+    if abs(x) > 20:  # which differs from 1 by less than a rounding
+        return 1.0 if x > 0 else -1.0
+    # Lambert's continued fraction, cut off where that is right to rounding, gives it for x / 32.
+    a = x / 32
+    z = a * a
+    t = a * (135135 + z * (17325 + z * (378 + z))) / (135135 + z * (62370 + z * (3150 + z * 28)))
+    for _ in range(5):
+        t = 2 * t / (1 + t * t)
+    return t
+
+
 def reduced(angle):
     """Return angles (n,), in rad, reduced to -pi to pi by exact multiples of 2 pi.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import Angle, Finite, checked
 from ..kernels.compiled import root
+from ..kernels.repeatable import tangent
 from ..surfaces.linkage import chambers, check_stroke
 from .hydraulics import Axis, Hydraulics, load_at, sides_at, speed, spool_at
 from .plant import Lag, Plant, ValveResonance
@@ -301,7 +302,7 @@ def land(lost):
 def resistance(axis, rate):
     """Return the torque of viscous and dry friction of an `axis`, in N m, at a rate in rad/s."""
     drag = axis.damping * rate
-    return drag + axis.friction * math.tanh(rate / SLIP) if axis.friction > 0 else drag
+    return drag + axis.friction * tangent(rate / SLIP) if axis.friction > 0 else drag
 
 
 def opening_at(plant, rate, position):

@@ -225,8 +225,17 @@ def sweep(grid, a, b, radius, start, found):
         The plane to go on with where `found` has no room for more; the number of planes at the end.
     """
     first, last, left, right = window(grid, a, b, radius)
-    _, _, m, _, _, low, high, x, cos, sin, aside, _ = grid
-    line, enter, leave, work = found
+    m = grid.m
+    low = grid.low
+    high = grid.high
+    x = grid.x
+    cos = grid.cos
+    sin = grid.sin
+    aside = grid.aside
+    line = found.line
+    enter = found.enter
+    leave = found.leave
+    work = found.work
     total = 0.0
     count = 0
     split = False
@@ -314,7 +323,9 @@ def take(grid, found, count):
     """Take what `sweep` has found from the lines, which must have the slots that they need."""
     low = grid.low
     high = grid.high
-    line, enter, leave, _ = found
+    line = found.line
+    enter = found.enter
+    leave = found.leave
     size = grid.n * grid.m
     for c in range(count):
         for s in range(grid.slots):
