@@ -183,7 +183,7 @@ def summary_text(numbers):
     lines = [
         plan_text(numbers),
         "",
-        # To a hundredth: force and motion agree to 1 %, and one count read otherwise moves 1e-3 mm.
+        # To a hundredth: force and motion agree to 0.3 %, and a count read otherwise moves 1e-3 mm.
         f"all together: overbreak {1e3 * numbers['overbreak_m']:.2f} mm, underbreak "
         f"{1e3 * numbers['underbreak_m']:.2f} mm, {1e3 * numbers['removed_m3']:.2f} l removed",
         *(_lap_line(row) for row in numbers["each_lap"]),
