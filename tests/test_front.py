@@ -83,7 +83,8 @@ def test_front_takes_what_a_wall_that_is_cut_would_lose(s, advance, close):
     place = way[here : here + 1]
     assert engaged_areas(CIRCUIT, place, advance)[0] == pytest.approx(area, rel=close)
     if not advance:
-        assert facing_areas(CIRCUIT, place)[0] == pytest.approx(facing, rel=0.013)
+        # Half a ray's spacing, by which the flat side of the half ellipse may be off, is 2 % of it.
+        assert facing_areas(CIRCUIT, place)[0] == pytest.approx(facing, rel=0.02)
 
 
 @pytest.mark.parametrize("advance", [0.04, 0.08])

@@ -160,4 +160,4 @@ def test_cut_goes_as_an_independent_model_with_tiny_steps_says(normal):
     held_back = np.abs(ours - without)
     assert held_back[-1] > (7e-4 if normal else 2e-4)  # m
     assert np.abs(ours - theirs).max() < 0.01 * held_back.max()
-    assert front.force(track)[start:].mean() == pytest.approx(forces.mean(), rel=0.01)
+    assert front.force[start:].mean() == pytest.approx(forces.mean(), rel=0.01)

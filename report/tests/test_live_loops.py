@@ -18,7 +18,7 @@ from tunneller_lib.motion.sizing import arm_of, axes_of, usual_sizes
 from tunneller_lib.motion.ticks import control_of, run_axis, run_joints
 from tunneller_lib.removal import DexelGrid
 from tunneller_lib.removal.sweep import LOOPS as OF_LINES
-from tunneller_lib.removal.sweep import cut_moves
+from tunneller_lib.removal.sweep import cut_moves, room_on
 from tunneller_lib.surfaces import REFERENCE_MACHINE
 
 NODE = shutil.which("node")
@@ -132,7 +132,14 @@ def test_moves_are_cut_in_javascript_as_in_python(rays):
     for _ in range(3):  # since lines are split
         grid.add_slot()
     way = np.cumsum(np.random.default_rng(2).uniform(-0.1, 0.1, (12, 3)), axis=0)
-    given = [grid.rows, np.add(way, (0.0, 0.2, 0.3)), 0.12, 0, np.zeros(11), grid.room(400)]
+    given = [
+        grid.rows,
+        np.add(way, (0.0, 0.2, 0.3)),
+        0.12,
+        0,
+        np.zeros(11),
+        room_on(grid.rows, 400),
+    ]
     assert_same(cut_moves, given, [4], **OF_LINES)
     assert given[4].sum() > 0
 

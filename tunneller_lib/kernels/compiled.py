@@ -18,8 +18,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .repeatable import cosine as one_cosine
-from .repeatable import sine as one_sine
+from .repeatable import cosine_of, sine_of
 
 LONG = 2.0  # s of plain Python, beyond which the time to load the compiler is well spent
 _compiling = threading.Lock()
@@ -187,12 +186,12 @@ def call_plain(function, *arguments, **parts):
 
 def sine(x):
     """Return the sine of a float x, the same everywhere, or of an array, by numpy."""
-    return one_sine(x) if isinstance(x, float) else np.sin(x)
+    return sine_of(x) if isinstance(x, float) else np.sin(x)
 
 
 def cosine(x):
     """Return the cosine of a float x, the same everywhere, or of an array, by numpy."""
-    return one_cosine(x) if isinstance(x, float) else np.cos(x)
+    return cosine_of(x) if isinstance(x, float) else np.cos(x)
 
 
 def root(x):
@@ -201,7 +200,7 @@ def root(x):
 
 
 # What a loop of numbers calls in the place of these.
-SCALARS = {"sine": one_sine, "cosine": one_cosine}
+SCALARS = {"sine": sine_of, "cosine": cosine_of}
 
 
 @functools.lru_cache(32)

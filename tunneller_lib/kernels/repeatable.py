@@ -75,12 +75,12 @@ def sine_cosine(x):
     return sine, cosine
 
 
-def sine(x):
+def sine_of(x):
     """Return the sine of any x, in rad."""
     return sine_cosine(within_half_a_turn(x))[0]
 
 
-def cosine(x):
+def cosine_of(x):
     """Return the cosine of any x, in rad."""
     return sine_cosine(within_half_a_turn(x))[1]
 

@@ -37,7 +37,7 @@ from ..motion.both_joints import (
 )
 from ..motion.hydraulics import spool_at
 from ..motion.ticks import note, opened
-from ..removal.sweep import ARRAYS, LOOPS, distance, sweep, take
+from ..removal.sweep import ARRAYS, LOOPS, room_on, sweep, take, way_between
 from ..surfaces.torus import torus_point
 from .front import engaged_areas
 from .moves import levers
@@ -141,7 +141,7 @@ class Face(Resistance):
         The arguments are those of `motion.ticks.run_joints`, with the `least` number of steps in a
         tick. It is less than all ticks if an axis leaves its stroke.
         """
-        found = self.wall.room(math.inf)
+        found = room_on(self.wall.rows, math.inf)
         done = resumed = 0
         while done < len(slopes):
             end = min(done + TOGETHER, len(slopes))
@@ -254,7 +254,7 @@ def run_in_ground(
                 return n, TOO_HARD
             after = machine_tick(machine, state, openings, push, parts, tick)
             there = centre(place, after, stepped[n + 1])
-            way = distance(here, there)
+            way = way_between(here, there)
             volume, count, split, _ = sweep(grid, here, there, place.radius, 0, found)
             miss = area * way - volume
             tries += 1

@@ -8,7 +8,7 @@ from ..arguments import Array, Coordinate, Length, Lengths, Point, Wholes, check
 from ..kernels import compiled
 from ..surfaces.solid import Solid
 from .grid import BLOCK, Lines, fan, parallel
-from .sweep import ARRAYS, LOOPS, Found, Grid, cut_moves
+from .sweep import ARRAYS, LOOPS, Grid, cut_moves, room_on
 
 MOVE = 2e-4  # s, about what one move takes with whole arrays
 
@@ -202,7 +202,7 @@ class DexelGrid:
         removed = np.zeros(moves)
         centres = np.array(centres, order="C")
         compiled.expect(MOVE * moves, "grid")
-        found = self.room(BLOCK)
+        found = room_on(self.rows, BLOCK)
         done = 0
         while True:
             given = self.rows, centres, radius, done, removed, found
@@ -217,12 +217,6 @@ class DexelGrid:
         x, cos, sin, aside, cell, rays = self.lines
         flat = self.low.reshape(-1), self.high.reshape(-1)
         return Grid(*self.low.shape, cell, rays, *flat, x, cos, sin, aside, self._nearest)
-
-    def room(self, lines):
-        """Return the `Found` with room for so many lines, or at least for those of a plane."""
-        _, n, m = self.low.shape
-        size = max(min(lines, n * m), m)
-        return Found(np.empty(size, dtype=int), np.empty(size), np.empty(size), np.empty(6 * m))
 
     def add_slot(self):
         """Give each line room for one more interval."""

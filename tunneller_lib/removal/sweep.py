@@ -55,6 +55,12 @@ class Found(NamedTuple):
     work: np.ndarray
 
 
+def room_on(grid, lines):
+    """Return the `Found` with room for so many lines of a grid, or for those of a plane."""
+    size = max(min(lines, grid.n * grid.m), grid.m)
+    return Found(np.empty(size, dtype=int), np.empty(size), np.empty(size), np.empty(6 * grid.m))
+
+
 def first_from(values, count, bound):
     """Return how many of ascending `values` (count,) are below a bound."""
     low = 0
@@ -81,7 +87,7 @@ def window(grid, a, b, radius):
         right = first_from(grid.aside, grid.m, max(a[1], b[1]) + radius)
         return first_from(grid.x, grid.n, low), first_from(grid.x, grid.n, high), left, right
     # One ball stands for all on the way.
-    reach = ROOM * (radius + distance(a, b) / 2)
+    reach = ROOM * (radius + way_between(a, b) / 2)
     middle = (a[0] + b[0]) / 2
     y = (a[1] + b[1]) / 2
     z = (a[2] + b[2]) / 2
@@ -126,8 +132,8 @@ def turned_to(grid, angle, half):
     return start, max(min(stop, start + grid.m), start)
 
 
-def distance(a, b):
-    """Return the distance of two points (x, y, z)."""
+def way_between(a, b):
+    """Return the length of a straight move from a to b, (x, y, z)."""
     dx = b[0] - a[0]
     dy = b[1] - a[1]
     dz = b[2] - a[2]
@@ -200,12 +206,14 @@ def share(grid, low, high, enter, leave):
 
 
 def sweep(grid, a, b, radius, start, found):
-    """Find what a ball takes on a straight move from a to b, (x, y, z) in m.
+    """Find what a ball takes on a straight move.
 
     Parameters
     ----------
     grid : Grid
         The lines.
+    a, b : (float, float, float)
+        Where the move begins and ends, x, y, z in m.
     radius : float
         Of the ball, in m.
     start : int
@@ -245,7 +253,7 @@ def sweep(grid, a, b, radius, start, found):
     ax, ay, az = a
     bx, by, bz = b
     dx = bx - ax
-    about = ROOM * (radius + distance(a, b) / 2)
+    about = ROOM * (radius + way_between(a, b) / 2)
     mx = (ax + bx) / 2
     # Of each line: along it and beside it, one ball about the whole move, then the last ball, and
     # the move itself.
@@ -382,7 +390,7 @@ def sweep_arrays(grid, a, b, radius, start, found):
     go_on = end if end < last else grid.n
     ax, ay, az = a
     bx, by, bz = b
-    about = ROOM * (radius + distance(a, b) / 2)
+    about = ROOM * (radius + way_between(a, b) / 2)
     j = np.arange(left, right) % grid.m
     c = cos[j]
     s = sin[j]
