@@ -290,7 +290,7 @@ def test_output_killed_at_any_rename_is_settled_by_the_next_run(tmp_path, inside
     run(out, "first")
     # Old files, `old` itself, new ones: as many renames as an exchange has.
     last = 17 + 1 + 17 if inside else 3
-    kills = sorted({0, 1, 16, 17, 18, 19, 33, 34, *many((), range(35))}) if inside else range(3)
+    kills = sorted({0, 1, 16, 17, 18, 19, 33, 34, *range(many(0, 35))}) if inside else range(3)
     for kill in [*kills, last]:
         process = start(out, "second", last=kill, cwd=out if inside else tmp_path)
         ended = process.wait()
