@@ -157,7 +157,7 @@ def changed(index, **fields):
         (horseshoe()[:-1], "1 of 5 isn't met: it isn't closed; the gap is 0.4 m"),
         (changed(1, length=0.4 + 1.1e-6), "3 of 6 doesn't begin where .* the gap is 1.1e-06 m"),
         (changed(0, sweep=np.pi + 2e-6), "never turn to the right; 2 of 6 begins with 0.000115"),
-        (changed(2, radius=-0.25), "a length and a radius above 0; 3 hasn't"),
+        (changed(2, radius=-0.25), "above 0, counter-clockwise; 3 hasn't, of length -0.39"),
         (2 * CIRCLE, "they turn by 720 deg"),
     ],
 )  # fmt: skip

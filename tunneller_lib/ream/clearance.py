@@ -11,6 +11,8 @@ from ..removal.arm_clearance import rod_clearance, solid_clearance
 from .pose import Pose
 
 PLACES = 721  # of the circuit, at which the parts are looked at
+SMALLER = 0.8, 0.6, 0.4, 0.2  # times a size of the body, as they are tried
+BODY_SIZES = {"holder": ("holder_radius", "holder_length"), "box": ("width", "high", "low")}
 SAME = 1e-12  # m, within which clearances are taken as equal
 
 
@@ -41,7 +43,8 @@ class PartClearance(NamedTuple):
     def depth_in_wall(self):
         """Return the end of a sentence that says how deep the part is in the wall, and where."""
         where = "" if self.place is None else f" {self.place:.3f} m along the circuit"
-        return f"is {-self.least:.3f} m in the wall{where}"
+        where = where if self.place else " at the begin of the circuit" if where else ""
+        return f"is {-self.least:.2g} m in the wall{where}"
 
 
 @checked
@@ -98,6 +101,37 @@ def part_clearances(circuit: Circuit, arm_radius: Length0, *, pose: Pose | None 
         depths["box"] = solid_clearance(section, machine.body.box, turn=axes, place=foot)
     depths["cutter"] = rod_clearance(section, centre, centre, machine.cutter_radius)
     return [_least(name, depth, s) for name, depth in depths.items()]
+
+
+def clear_size(circuit, arm_radius, part):
+    """Return a size, its key and its value in m, with which a part leaves the wall; or None.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The circuit.
+    arm_radius : float
+        As of `part_clearances`.
+    part : PartClearance
+        A part in the wall.
+    """
+    machine = circuit.machine
+    if part.name == "arm":
+        thinner = float(f"{0.97 * (arm_radius + part.least):.2g}")
+        return ("arm_radius", thinner) if thinner > 0 else None
+    for key in BODY_SIZES[part.name]:
+        for share in SMALLER:
+            size = float(f"{share * getattr(machine.body, key):.2g}")
+            try:
+                body = replace(machine.body, **{key: size})
+                if part.name == "box":  # whose clearance doesn't take a lap of the holder's
+                    body = replace(body, holder_radius=0.0)
+            except ValueError:  # the underside above the top
+                break
+            other = replace(circuit, machine=replace(machine, body=body))
+            if not any(p.collides for p in part_clearances(other, 0.0) if p.name == part.name):
+                return key, size
+    return None
 
 
 def _least(name, depth, s):

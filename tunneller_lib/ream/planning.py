@@ -7,7 +7,7 @@ import numpy as np
 from ..arguments import LEAST, MOST, Array, Length, Length0, Number, Whole, Wholes, checked
 from ..paths.bounds import Way
 from ..paths.circuit import Circuit
-from .clearance import PartClearance, part_clearances
+from .clearance import PartClearance, clear_size, part_clearances
 from .feed import Limits
 from .front import engaged_areas, push_levers, side_area
 from .moves import Moves, levers, move_lengths, move_shares, move_ticks, strains
@@ -264,9 +264,12 @@ def plan(
     held = max(round(rest / tick), 1) + len(back) - 1
     total = int(min(np.ceil(moment[-1] / tick), 2.0**60)) + held
     if total * laps > MOST_TICKS:
+        fits = MOST_TICKS // total
+        longer = tick * 1.1 * total / MOST_TICKS
+        would_do = f"{fits}" if fits else f"1 lap with a tick of {longer:.2g} s"
         raise ValueError(
-            f"laps: must take at most {MOST_TICKS} ticks together; got {laps} x "
-            f"{total} ticks of {tick:g} s."
+            f"{'laps' if laps > 1 else 'tick'}: must take at most {MOST_TICKS} ticks together; "
+            f"got {laps} x {total} ticks of {tick:g} s, {would_do} would do."
         )
     along = _at_ticks(way, torus, limits, length, speed, moment, tick)
     farthest = float(np.diff(along).max())
@@ -477,5 +480,7 @@ def _kept_clear(circuit, arm_radius):
         if part.collides:
             arm = part.name == "arm"
             what = f"arm_radius: an arm of {arm_radius:g} m" if arm else f"body: its {part.name}"
-            raise ValueError(f"{what} {part.depth_in_wall}.")
+            clear = clear_size(circuit, arm_radius, part)
+            would_do = f"; {clear[0]} = {clear[1]:g} would do" if clear else ""
+            raise ValueError(f"{what} {part.depth_in_wall}{would_do}.")
     return found

@@ -345,7 +345,10 @@ def closed_profile(pieces: Each(Arc, Line), *, snap: NotNegative = SNAP):
     # Each piece is checked by itself.
     for k, piece in enumerate(section.arcs):
         if not piece.length > 0 or not piece.radius > 0:
-            raise ValueError(f"pieces: each needs a length and a radius above 0; {k + 1} hasn't.")
+            raise ValueError(
+                "pieces: each needs a length and a radius above 0, counter-clockwise; "
+                f"{k + 1} hasn't, of length {piece.length:g} m and radius {piece.radius:g} m."
+            )
     if not section.arcs:
         raise ValueError("pieces: must be at least one; got none.")
     perimeter = section.perimeter
