@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.controllers import job_with
 from tunneller_lib.__main__ import main, tell
 from tunneller_lib.job import read_job, results, tables
 from tunneller_lib.job.results import summary_text
@@ -150,7 +151,7 @@ WRONG = [
     ({"theta_min_deg = -60": "theta_min = -60"}, 1,
      r"must be at most 3\.2 rad in size; got -60\. In degrees its name ends in _deg\.$"),
     ({"tolerance = 1e-3 ": "tolerance = 1e-7 "}, 1,
-     r"at least the 8\.4e-05 m that a count moves the cutter; got 1e-07 m\.$"),
+     r"at least the 8\.4e-05 m that a count moves the cutter; got 1e-07 m with "),
     # that can't be
     ({"height = -0.36": "height = -0.9"}, 1,
      r" \[machine\] height: may be from -0\.\d+ to -?0\.\d+ m"),
@@ -161,6 +162,147 @@ WRONG = [
      r"^\[wall\] along, around: must be at most 4000000 rays together; got 2001 x 2000\.$"),
     ({"# [hydraulics]": "", "# volume = 2e-4": "power = 3e3"}, 1, r"\] power: needs a table"),
 ]  # fmt: skip
+
+
+BOX = """shape = "pieces"
+pieces = [
+  {kind = "line", y = -0.4, z = -0.8, heading = 0, length = 0.8},
+  {kind = "line", y = 0.4, z = -0.8, heading_deg = 90, length = 1},
+  {kind = "line", y = 0.4, z = 0.2, heading_deg = 180, length = 0.8},
+  {kind = "line", y = -0.4, z = 0.2, heading_deg = -90, length = 1},
+]"""
+ONE_ARC = 'shape = "pieces"\npieces = [{kind = "arc", y = 0, z = 0, radius = %s, start = 0, %s}]'
+# Ranges that a value must keep, none of which has a unit "1".
+RANGES = [
+    ({"depth = 0.02": "depth = 0"}, "[machine] depth: must be from 0.0001 to 1 m, or no ground "),
+    ({"feedforward = 1": "feedforward = 100"}, "] feedforward: must be from 0 to 2; got 100."),
+    ({"# valve = 0.8 ": "valve = 1.5 "}, "[limits] valve: must be from 0.001 to 1; got 1.5."),
+    ({"gain = 10": "gain = 0"}, "[controller] gain: must be from 0.01 to 10000 1/s; got 0."),
+    ({"rest = 0.2": "rest = -1"}, "[plan] rest: must be from 0 to 60 s; got -1."),
+    ({"advance = 0.04": "advance = -0.04"}, "[plan] advance: must be from 0 to 2 m; got -0.04."),
+    ({"delay = 1 ": "delay = -1 "}, "delay: must be one whole number from 0 to 100; got -1."),
+    ({"# trip = 5e-3": "trip = 0"}, "[controller] trip: must be from 1e-05 to 1 m; got 0."),
+    ({"# encoder_deg = 0": "encoder_deg = -1"}, "encoder_deg: must be 0 or from "),
+    ({EGG: ONE_ARC % (0.5, "sweep_deg = -360"), "a = 0.5 ": "#"},
+     "sweep_deg: must be from 0.001 to 360 degrees, since pieces run counter-clockwise"),
+    ({EGG: ONE_ARC % (-0.5, "sweep_deg = 360"), "a = 0.5 ": "#"},
+     "[section.pieces 1] radius: must be from 0.001 to 100 m; got -0.5."),
+    ({EGG: BOX, "a = 0.5 ": "#"}, "each bend must be wider than 0.18 m, the cutter_radius less the "
+     "depth; got a corner; an arc of 0.19 m in its place would do."),
+    ({EGG: ONE_ARC % (0.15, "sweep_deg = 360"), "a = 0.5 ": "#"}, "got a bend of 0.15 m; an arc"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "sentence"), RANGES)
+def test_value_out_of_its_range_is_told_the_range(job, changes, sentence):
+    with pytest.raises(ValueError) as refused:
+        read_job(job(changes)).checked  # noqa: B018
+    assert sentence in str(refused.value)
+
+
+# Jobs whose refusal names another value: by the words that say the cause, and the tables that hold
+# the value instead. The plant is T0 unless they say another.
+MENDED = [
+    # A valve is fully open.
+    ({"limits": {"feed": 1.0}}, "theta's valve is fully open for", {"limits": {"feed": 0.34}}),
+    ({"limits": {"feed": 1.0}, "controller": {"plant": "T1"}}, "valve is fully open",
+     {"limits": {"feed": 0.34}}),
+    ({"limits": {"feed": 1.0}, "controller": {"plant": "T2"}}, "valve is fully open",
+     {"limits": {"valve": 0.8}}),
+    ({"limits": {"feed": 1.0}, "controller": {"plant": "T3"}}, "valve is fully open",
+     {"limits": {"valve": 0.8}}),
+    ({"hydraulics": {"valve_leak": 1e-10}, "controller": {"plant": "T3"}}, "lics] valve_leak",
+     {"hydraulics": {"valve_leak": 1e-13}}),
+    # A loop is unstable.
+    ({"controller": {"gain": 1000}}, "gain: must be below the 200 1/s from which theta's",
+     {"controller": {"gain": 100}}),
+    ({"controller": {"plant": "T3", "gain": 60}}, "tick and delay; got 60 1/s, 12 1/s",
+     {"controller": {"gain": 12}}),
+    # A wall doesn't show the cut, or hold it.
+    ({"plan": {"laps": 100, "advance": 0.3}}, "[wall] along: rays along the tunnel must be at most",
+     {"wall": {"along": 697}}),
+    ({"plan": {"laps": 3}, "wall": {"along": 10}}, "got 10 on 0.759 m", {"wall": {"along": 19}}),
+    ({"wall": {"around": 3}}, "[wall] around: rays round it", {"wall": {"around": 46}}),
+    ({"wall": {"thickness": 0.01}}, "[wall] thickness: must be at least",
+     {"wall": {"thickness": 0.055}}),
+    # A plan that no machine would run.
+    ({"plan": {"laps": 2, "advance": 0.0}}, "all cut the same groove; got 0 m",
+     {"plan": {"advance": 0.04}}),
+    ({"plan": {"tolerance": 0.1}}, "[plan] tolerance: in air the cutter is up to",
+     {"plan": {"tolerance": 0.002}}),
+    ({"plan": {"laps": 5000}}, "laps: must take at most 5000000 ticks", {}),
+    ({"plan": {"arm_radius": 0.1800001}}, "an arm of 0.18 m is 1e-07 m in the wall at the begin",
+     {"plan": {"arm_radius": 0.17}}),
+    # Joint limits.
+    ({"controller": {"plant": "T3"},
+      "machine": {"theta_min": np.radians(-70), "theta_max": np.radians(60)}},
+     "[machine] theta_min, theta_max: the lift can't serve these limits; stroke: 0.202 m",
+     {"machine": {"theta_min": np.radians(-55), "theta_max": np.radians(38)}}),
+    ({"controller": {"plant": "T3"},
+      "machine": {"theta_min": np.radians(-70), "theta_max": np.radians(60)}},
+     "[hydraulics] lift_dead_length = 0.141", {"hydraulics": {"lift_dead_length": 0.141}}),
+    ({"controller": {"plant": "T3"}, "machine": {"phi_max": np.radians(50)}},
+     "phi_min_deg = -40 with phi_max_deg = 40", {"machine": {"phi_max": np.radians(40)}}),
+    ({"machine": {"theta_min": np.radians(-20)}}, "theta_min_deg = -51 would do",
+     {"machine": {"theta_min": np.radians(-51)}}),
+    # Cylinders.
+    ({"controller": {"plant": "T3"}, "hydraulics": {"supply": 1e6}}, "the usual 1.6e+07 Pa",
+     {"hydraulics": {"supply": 1.6e7}}),
+    ({"controller": {"plant": "T2"}, "hydraulics": {"swing_arm_pivot": 0.3}}, "the usual 0.07 m",
+     {"hydraulics": {"swing_arm_pivot": 0.07}}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "sentence", "mended"), MENDED)
+def test_value_that_a_refusal_names_passes_the_whole_check(job, changes, sentence, mended):
+    wrong = job_with(read_job(job()), **changes)
+    with pytest.raises(ValueError) as refused:
+        wrong.checked  # noqa: B018
+    said = str(refused.value)
+    assert sentence in said and said.endswith("would do.")
+    for keys in mended.values():
+        for key, value in keys.items():
+            angle = key.startswith(("theta", "phi"))
+            assert f"{np.degrees(value):.0f}" in said if angle else f" {value:g}" in said
+    if mended:
+        assert isinstance(job_with(wrong, **mended).checked, list)
+
+
+@pytest.mark.parametrize(("changes", "key", "value"), [
+    ({"controller": {"feedforward": 0.5}}, "[controller] trip", {"controller": {"trip": 0.018}}),
+    ({"controller": {"feedforward": 0.0, "gain": 4.0}}, "[controller] feedforward",
+     {"controller": {"feedforward": 1.0}}),
+    ({"controller": {"operations": 1e3}}, "[controller] operations", {}),
+    ({"controller": {"encoder": 0.017}}, "[controller] trip", {"controller": {"trip": 0.012}}),
+])  # fmt: skip
+def test_what_only_the_controller_cannot_keep_costs_only_its_files(job, changes, key, value):
+    made = job_with(read_job(job()), **changes)
+    (left_out,) = made.checked
+    assert left_out.startswith(f"the controller's files are left out; {key}: ")
+    assert left_out.endswith("would do.") and made.exported.program is None
+    if value:
+        assert job_with(made, **value).checked == []
+
+
+def test_cut_without_a_controller_writes_all_else_and_warns_as_its_dry_run(capsys, job, tmp_path):
+    path = job({"feedforward = 1": "feedforward = 0", "gain = 10": "gain = 5"})
+    dry = json.loads(run(capsys, "cut", path, "--dry-run", "--json")[1])
+    code, said, told = run(capsys, "cut", path, "--out", tmp_path / "cut", "--json")
+    (sentence,) = dry["warnings"]
+    assert code == 0 and sentence in json.loads(said)["warnings"]
+    assert f"warning: {sentence}\n" in told
+    of_the_controller = {
+        name for name in FILES if name.startswith(("controller", "blocks", "line"))
+    }
+    assert {one.name for one in (tmp_path / "cut").iterdir()} == FILES - of_the_controller
+
+
+@pytest.mark.parametrize("changes", [
+    {"limits": {"power": 30.0}}, {"controller": {"encoder": 0.017}},
+    {"hydraulics": {"piston_leak": 1e-8, "valve_leak": 1e-10}},
+])  # fmt: skip
+def test_the_ends_of_ranges_have_a_plan(changes):
+    assert job_with(read_job(REFERENCE), **changes).planned.lap_time > 0
 
 
 @pytest.mark.parametrize(("changes", "code", "sentence"), WRONG)
@@ -358,12 +500,17 @@ def test_endless_file_is_refused_before_it_is_read(capsys):
 
 
 def test_limits_of_plausible_sizes_pass_and_what_is_next_to_them_is_refused():
-    sizes = {"power": Size("W", 20.0, 1e7), "turn": Size("rad", most=3.2)}
-    for value in (20, 20.0, 1e7, 0, -0.0, -5.0, np.inf, np.nan):
+    sizes = {"power": Size("W", 20.0, 1e7), "turn": Size("rad", most=3.2, signed=True),
+             "encoder": Size("rad", 1e-9, 0.1, zero=True)}  # fmt: skip
+    for value in (20, 20.0, 1e7):
         tables.read_table("limits", {"power": value}, sizes)
-    for value in (np.nextafter(20, 0), np.nextafter(1e7, 1e8), 5e-324, 1e300, 10**300):
+    wrong = np.nextafter(20, 0), np.nextafter(1e7, 1e8), 5e-324, 1e300, 10**300, 0, -20.0
+    for value in (*wrong, np.inf, np.nan):
         with pytest.raises(ValueError, match=r"\] power: must be from 20 to 1e\+07 W; got"):
             tables.read_table("limits", {"power": value}, sizes)
+    tables.read_table("limits", {"encoder": 0}, sizes)
+    with pytest.raises(ValueError, match=r"\] encoder: must be 0 or from 1e-09 to 0.1 rad; got -0"):
+        tables.read_table("limits", {"encoder": -1e-3}, sizes)
     for value in (3.2, -3.2):
         tables.read_table("limits", {"turn": value}, sizes)
         with pytest.raises(ValueError, match=r"turn: must be at most 3\.2 rad"):

@@ -152,6 +152,7 @@ def planned(options):
     job = read_job(options.job)
     say("planning ...")
     plan = job.planned
+    job.checked  # noqa: B018
     say(f"planned: {len(plan.knots)} knots, {len(plan.s) - 1} moves, {plan.lap_time:.1f} s a lap")
     return job
 
@@ -179,6 +180,7 @@ def run_cut(options):
         numbers = plan_numbers(planned(options))
         if not options.json:
             tell(plan_text(numbers))
+        warn(numbers)
         return {**numbers, "files": []} if options.json else None
     # A job's name may be - or dots alone, which would name another folder.
     folder = options.out or Path("build", options.job.stem.strip(".-") or "job")
@@ -191,9 +193,14 @@ def run_cut(options):
         files = write_all(job, cut, new, numbers, say)
         files += draw_wall(job, cut, new / "wall.png")
         files.append(list_files(new, job.stamp))
+    warn(numbers)
+    return {**numbers, "files": [str(folder / file.name) for file in files]}
+
+
+def warn(numbers):
+    """Say the warnings among a command's numbers."""
     for warning in numbers["warnings"]:
         say(f"warning: {warning}")
-    return {**numbers, "files": [str(folder / file.name) for file in files]}
 
 
 def draw_wall(job, cut, path):

@@ -28,7 +28,7 @@ shape = "egg"
 a = 0.5
 
 [limits]
-feed = 1.0
+feed = 0.3
 acceleration = 20
 
 [plan]
@@ -46,8 +46,8 @@ delay = 1
 trip = 1
 
 [wall]
-along = 4
-around = 12
+along = 20
+around = 48
 """,
     encoding="utf-8",
 )

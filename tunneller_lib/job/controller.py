@@ -6,18 +6,16 @@ Here are a job's numbers, and the proof that with them the slow task is in time 
 """
 
 import re
-from dataclasses import replace
 from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import checked
-from ..motion import follow
 from ..motion.export import constant_rows, line_text, operations, read_blocks
-from ..ream.cutting import whole_run
 from ..ream.moves import MOST, levers
 from ..ream.planning import Plan
+from .checks import fully_open, short, with_remedy
 from .reader import Job
 
 FULL = 2**15  # of the time scale
@@ -50,6 +48,29 @@ class Program(NamedTuple):
     blocks: str
     slow: int
     trip: float
+
+
+class Exported(NamedTuple):
+    """What a job's cut has for a controller.
+
+    Parameters
+    ----------
+    program : Program or None
+        The motion generator, if the job's plan has one.
+    left_out : str
+        Else why there is none, as a sentence.
+    """
+
+    program: Program | None
+    left_out: str
+
+
+def exported(job):
+    """Return the `Exported` of a `Job`: what only its controller can't keep isn't refused."""
+    try:
+        return Exported(program(job.planned, job), "")
+    except ValueError as error:
+        return Exported(None, f"the controller's files are left out; {error}")
 
 
 @checked
@@ -92,10 +113,17 @@ def program(plan: Plan, job: Job):
     fastest = (np.abs(np.diff(ends, axis=0)) / (parts * ticks[:, None])).max()
     _check("[plan] count: in a tick a joint moves {:.0f}, and may move {}; {:.2g} rad",
            fastest, FASTEST, 1.1 * plan.count * fastest / FASTEST)  # fmt: skip
+    text, blocks, inverse = (files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
+                             for name in ("controller", "blocks", "static_inverse"))  # fmt: skip
+    setpoints = next(one for one in read_blocks(blocks) if one.name == "FB_Setpoints")
+    cost = at_once * operations(setpoints)
+    second = cost / (slow * plan.tick)
+    _check("[controller] operations: the slow task takes {:.3g} a second; got {:g}, {:.2g}",
+           second, job.controller.get("operations", OPERATIONS), 1.1 * second)  # fmt: skip
     ring = next(size for size in RINGS if size >= ahead)
     machine = plan.circuit.machine
     arms = np.array([machine.r + machine.R, machine.R])  # the cutter's greatest way by a radian
-    trip = _trip(plan, job, arms)
+    trip = _trip(job, arms)
     # The way to the start position: from where a trip isn't yet and a set-value off by another may
     # be, at half of the feed at most, and with room to stop.
     way = 2 * np.sqrt(2) * trip
@@ -118,13 +146,6 @@ def program(plan: Plan, job: Job):
     }  # fmt: skip
     theta, phi = (_axis(*axis) for axis in zip(*job.axes, strict=True))
     constants |= {key: [float(theta[key]), float(phi[key])] for key in theta} | chord_rows(plan)
-    text, blocks, inverse = (files(__package__).joinpath(f"{name}.st").read_text(encoding="utf-8")
-                             for name in ("controller", "blocks", "static_inverse"))  # fmt: skip
-    setpoints = next(one for one in read_blocks(blocks) if one.name == "FB_Setpoints")
-    cost = at_once * operations(setpoints)
-    second = cost / (slow * plan.tick)
-    _check("[controller] operations: the slow task takes {:.3g} a second; got {:g}, {:.2g}",
-           second, job.controller.get("operations", OPERATIONS), 1.1 * second)  # fmt: skip
     oil, valve = ("", PLAIN) if "aSpeed" in theta else inverse.split("@\n")
     words = {
         "FAST": f"{1e3 * plan.tick:g}", "SLOW": f"{1e3 * slow * plan.tick:g}", "LAST": ring - 1,
@@ -209,7 +230,7 @@ def _stopping(ticks, ramps):
     """
     least = ramps[:, 0].min()  # below 1 the scale can't change
     stopping = int(FULL / (2 * least if least >= 1 else least)) + 2
-    while stopping <= FULL and not _rests(ticks, ramps, stopping):
+    while 1.25 * stopping <= FULL and not _rests(ticks, ramps, stopping):
         stopping = int(1.1 * stopping) + 1
     return int(1.25 * stopping) + 1
 
@@ -261,16 +282,37 @@ def _throughput(plan, stopping):
     return ahead, slow, int((np.searchsorted(ends, ends + slow) - number).max())
 
 
-def _trip(plan, job, arms):
-    """Return the following error that shuts the valves, in m at the cutter."""
-    setvalues, slopes = whole_run(replace(plan, laps=1))
-    track = follow(*job.axes, setvalues, slopes=slopes)
-    # As the controller has it: theta's by the longest arm.
-    least = MORE * float((np.abs(track.setvalue - track.position) * arms).max())
-    trip = float(job.controller.get("trip", TRIP * plan.circuit.machine.depth))
-    _check("[controller] trip: {:.2g} m are needed without a fault; got {:.2g} m, {:.2g} m",
-           least, trip, 1.1 * least)  # fmt: skip
-    return trip
+def _trip(job, arms):
+    """Return the following error that shuts the valves, in m at the cutter.
+
+    A valve that is fully open comes before the trip that its error would take, and no trip above
+    the depth of cut is proposed: then another key is at fault.
+    """
+    least, trip = _least_trip(job, arms), _wanted_trip(job)
+    if least <= trip:
+        return trip
+    depth = job.made.depth
+    would_do = short(1.1 * least)
+    opened = fully_open(job.in_air)
+    if would_do <= depth and not opened:
+        raise ValueError(
+            f"[controller] trip: {least:.2g} m are needed without a fault; got {trip:.2g} m, "
+            f"{would_do:g} m would do."
+        )
+    asks = f"the following error asks for a trip of {least:.2g} m in a cut {depth:g} m deep"
+    kept = lambda other: _least_trip(other, arms) <= max(_wanted_trip(other), TRIP * depth)  # noqa: E731
+    raise ValueError(with_remedy(job, f"{opened}, and {asks}" if opened else asks, kept))
+
+
+def _least_trip(job, arms):
+    """Return the least trip without a fault, in m; theta's error counts by the longest arm."""
+    track = job.in_air
+    return MORE * float((np.abs(track.setvalue - track.position) * arms).max())
+
+
+def _wanted_trip(job):
+    """Return the trip that a job asks for, in m."""
+    return float(job.controller.get("trip", TRIP * job.made.depth))
 
 
 def _axis(plant, loop):

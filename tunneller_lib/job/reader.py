@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import checked, positive, shown, whole
-from ..motion import Compressible, Integrator, Lag, Loop, Rigid
+from ..motion import Compressible, Integrator, Lag, Loop, Rigid, follow
 from ..motion.sizing import arm_of, axes_of, usual_sizes
 from ..paths import cutting_circuit
-from ..ream import Limits, Pose, gain_margins, plan, simulate
+from ..paths.circuit import Circuit
+from ..ream import Limits, Pose, plan, simulate
+from ..ream.cutting import whole_run
 from ..ream.margins import capability, chatter_margins
 from ..removal import Ground
 from ..surfaces import Arc, Body, Egg, Line, Machine, closed_profile
@@ -34,12 +36,15 @@ from .tables import (
 # What each table may hold: TEXT, WHOLE, or a unit with the range in which numbers are plausible. A
 # machine of some centimetres or of twenty metres may be meant, but none whose units are mistaken.
 LENGTH = Size("m", 1e-3, 20)
-PLACE = Size("m", most=20)
-ANGLE = Size("rad", most=3.2)
+LENGTH0 = Size("m", 0, 20)
+PLACE = Size("m", most=20, signed=True)
+ANGLE = Size("rad", most=3.2, signed=True)
 COUNT = Size("rad", 1e-9, 0.1)
-MACHINE = {"r": LENGTH, "R": LENGTH, "cutter_radius": LENGTH, "depth": PLACE, "height": PLACE}
+MACHINE = {"r": LENGTH, "R": LENGTH, "cutter_radius": LENGTH}
+MACHINE |= {"depth": Size("m", 1e-4, 1, why=", or no ground is taken"), "height": PLACE}
 MACHINE |= dict.fromkeys(("theta_min", "theta_max", "phi_min", "phi_max"), ANGLE)
-BODY = dict.fromkeys(("length", "width", "low", "high", "holder_radius", "holder_length"), PLACE)
+BODY = {"length": LENGTH, "width": LENGTH, "low": PLACE, "high": PLACE}
+BODY |= dict.fromkeys(("holder_radius", "holder_length"), LENGTH0)
 
 
 def _circle(radius):
@@ -61,25 +66,28 @@ SHAPES = {
     "pieces": (closed_profile, {"snap": Size("m", 0, 5e-4)}),
 }
 BEGIN = dict.fromkeys("yz", PLACE)
-TURN = Size("rad", most=7)
+TURN = Size("rad", most=7, signed=True)
+# A full turn passes with its rounding.
+FORWARDS = ", since pieces run counter-clockwise: a clockwise one begins at its other end"
+SWEEP = Size("rad", np.radians(1e-3), 2 * np.pi * (1 + 1e-9), why=FORWARDS)
 PIECES = {
-    "arc": (Arc, BEGIN | {"radius": Size("m", most=100), "start": TURN, "sweep": TURN}),
-    "line": (Line, BEGIN | {"heading": TURN, "length": Size("m", most=50)}),
+    "arc": (Arc, BEGIN | {"radius": Size("m", 1e-3, 100), "start": TURN, "sweep": SWEEP}),
+    "line": (Line, BEGIN | {"heading": TURN, "length": Size("m", 1e-6, 50)}),
 }
 STANCE = dict.fromkeys(("pitch", "yaw"), ANGLE)
 LIMITS = {
-    "feed": Size("m/s", 1e-4, 1),
+    "feed": Size("m/s", 1e-3, 1),
     "acceleration": Size("m/s^2", 1e-4, 50),
-    "volume": Size("m^3/s", 0, 0.1),
-    "flow": Size("m^3/s", 0, 0.01),
-    "valve": Size("1", 0, 1),
+    "volume": Size("m^3/s", 1e-6, 0.1),
+    "flow": Size("m^3/s", 1e-7, 0.01),
+    "valve": Size("", 1e-3, 1),
     "power": Size("W", 20, 1e7),
 }
 GROUND = {
-    "energy": Size("J/m^3", 1e3, 1e10),
+    "energy": Size("J/m^3", 1e3, 1e9),
     "pick_speed": Size("m/s", 0.01, 20),
-    "normal": Size("1", 0, 5),
-    "ripple": Size("1", 0, 2),
+    "normal": Size("", 0, 5),
+    "ripple": Size("", 0, 0.99),
     "ripple_frequency": Size("Hz", 0, 500),
 }
 CYLINDERS = {"frame_pivot": "a", "arm_pivot": "b"} | {k: k for k in ("bore", "rod", "dead_length")}
@@ -88,19 +96,19 @@ HYDRAULICS = {
     "tank": Size("Pa", 1e3, 1e7),
     "bulk": Size("Pa", 1e7, 1e10),
     "hose": Size("m^3", 1e-7, 0.01),
-    "rated_flow": Size("m^3/s", 0, 0.01),
-    "pump": Size("m^3/s", 0, 0.1),
-    "valve_lag": Size("s", 0, 0.5),
-    "damping": Size("1", 0, 2),
+    "rated_flow": Size("m^3/s", 1e-7, 0.01),
+    "pump": Size("m^3/s", 1e-7, 0.1),
+    "valve_lag": Size("s", 1e-5, 0.5),
+    "damping": Size("", 1e-3, 2),
 }
 HYDRAULICS |= dict.fromkeys(("head", "beam"), Size("kg", 0.5, 1e5))
-HYDRAULICS |= dict.fromkeys(("lift_friction", "swing_friction"), Size("N m", 0.1, 1e6))
+HYDRAULICS |= dict.fromkeys(("lift_friction", "swing_friction"), Size("N m", 0, 1e6))
 HYDRAULICS |= dict.fromkeys(("piston_leak", "valve_leak"), Size("m^3/s/Pa", 0, 1e-8))
 HYDRAULICS |= {f"{joint}_{name}": LENGTH for joint in ("lift", "swing") for name in CYLINDERS}
 PLAN = {
-    "tolerance": Size("m", 0, 0.1),
-    "step": Size("m", 0, 0.3),
-    "tick": Size("s", 0, 0.5),
+    "tolerance": Size("m", 1e-7, 0.1),
+    "step": Size("m", 1e-6, 0.3),
+    "tick": Size("s", 1e-4, 0.5),
     "count": COUNT,
     "rest": Size("s", 0, 60),
     "laps": WHOLE,
@@ -108,19 +116,18 @@ PLAN = {
     "arm_radius": Size("m", 0, 5),
     "path": TEXT,
 }
-LOOP = {"gain": Size("1/s", 0, 1e4), "feedforward": Size("1", 0, 2), "delay": WHOLE}
-EXPORTED = {"trip": Size("m", 1e-5, 1), "operations": Size("1/s", 0, 1e12)}  # for the controller
-CONTROLLER = {"plant": TEXT, "encoder": COUNT} | LOOP | EXPORTED
-POSE = dict.fromkeys("yz", Size("m", most=0.2))
-POSE |= dict.fromkeys(("roll", "pitch", "yaw"), Size("rad", most=0.8))
-WALL = {"along": WHOLE, "around": WHOLE, "thickness": Size("m", most=2)}
+LOOP = {"gain": Size("1/s", 0.01, 1e4), "feedforward": Size("", 0, 2), "delay": WHOLE}
+# For the controller that is written.
+EXPORTED = {"trip": Size("m", 1e-5, 1), "operations": Size("1/s", 1, 1e12)}
+CONTROLLER = {"plant": TEXT, "encoder": COUNT._replace(zero=True)} | LOOP | EXPORTED
+POSE = dict.fromkeys("yz", Size("m", most=0.2, signed=True))
+POSE |= dict.fromkeys(("roll", "pitch", "yaw"), Size("rad", most=0.8, signed=True))
+WALL = {"along": WHOLE, "around": WHOLE, "thickness": Size("m", 1e-3, 2)}
+# Of what another value may be proposed.
+TABLES = {"limits": LIMITS, "hydraulics": HYDRAULICS, "plan": PLAN, "controller": CONTROLLER}
 MOST_RAYS = 4_000_000  # of a wall; with all that is made of them they take 2 GB
 VALVE = 0.8  # of the open valve, the default limit of a plan in ground
 FULL_SPEED = 0.4  # m/s of the cutter at the end of the arm, of the models that have no cylinder
-HYDRAULIC_REMEDY = (
-    "The cylinders' sizes are those of [hydraulics]: lift_ and swing_ frame_pivot, arm_pivot, "
-    'bore, rod and dead_length, and supply; or take plant = "T0" in [controller], which has none.'
-)
 USUAL = {"tick": 5e-3, "count": 2 * np.pi / 2**16}  # in s and rad, the defaults of `ream.plan`
 
 
@@ -200,15 +207,22 @@ class Job:
             for joint in ("lift", "swing"):
                 names = {f"{joint}_{name}": field for name, field in CYLINDERS.items()}
                 changes = {names[k]: v for k, v in self.hydraulics.items() if k in names}
-                own[joint] = replace(getattr(usual, joint), **changes)
+                try:
+                    own[joint] = replace(getattr(usual, joint), **changes)
+                except ValueError as error:
+                    raise ValueError(f"{joint}_{error}") from None
             return replace(usual, **own)
 
     @cached_property
     def cylinders(self):
         """Return the axes theta and phi, two `Hydraulics`."""
         sizes = self.sizes  # outside: its own refusals need no remedy
-        with said_of("hydraulics", remedy=HYDRAULIC_REMEDY):
+        try:
             return axes_of(self.made, sizes)
+        except ValueError as error:
+            from .checks import cylinders_remedy  # which asks jobs
+
+            raise ValueError(cylinders_remedy(self, error)) from None
 
     @property
     def oily(self):
@@ -232,17 +246,23 @@ class Job:
             return Ground(**self.ground) if self.ground else None
 
     @cached_property
-    def planned(self):
-        """Return the `Plan`; raise ValueError with the reason if the job can't be planned."""
-        machine, _ = self.made, self.error  # a wrong pose is refused as early
+    def circuit(self):
+        """Return the `Circuit` of the machine in the section."""
+        machine = self.made
         with said_of("section"):
             sizes = dict(self.section)
             section = SHAPES[sizes.pop("shape")][0](**sizes)
-        circuit = _circuit(machine, section, self.stance)
-        _check_tolerance(machine, self.plan)
+            _check_bend(machine, section, self.section)
+        return _circuit(machine, section, self.stance)
+
+    @cached_property
+    def planned(self):
+        """Return the `Plan`; raise ValueError with the reason if the job can't be planned."""
+        _, circuit = self.error, self.circuit  # a wrong pose is refused as early
+        _check_tolerance(self.made, self.plan)
         if "power" in self.limits and not self.ground:
             raise ValueError("[limits] power: needs a table [ground], which the power cuts.")
-        plants, loops = self.axes
+        _ = self.axes  # wrong loops are refused before the plan is made
         # The defaults of a plan in oil, and in ground.
         usual = {"flow": self.sizes.pump} if self.oily else {}
         if self.oily and self.ground:
@@ -252,12 +272,32 @@ class Job:
             bounds["axes"] = self.cylinders
         with said_of("limits"):
             limits = Limits(**bounds)
-        if self.oily:
-            for margin in gain_margins(circuit, plants, loops):
-                if margin.what.startswith("gain") and not margin.enough:
-                    raise ValueError(f"[controller] {margin}")
         with said_of("plan"):
             return plan(circuit, limits, **self.plan)
+
+    @cached_property
+    def in_air(self):
+        """Return the `Track` of entry, a lap and exit in air, each joint by itself."""
+        setvalues, slopes = whole_run(replace(self.planned, laps=1))
+        return follow(*self.axes, setvalues, slopes=slopes)
+
+    @cached_property
+    def checked(self):
+        """Return the warnings, a list of str, that need no simulated wall.
+
+        Raise ValueError with the reason where the job can't be planned or the cut would be
+        meaningless.
+        """
+        from .checks import check  # which asks jobs
+
+        return check(self)
+
+    @cached_property
+    def exported(self):
+        """Return the `Exported` controller, or why there is none."""
+        from .controller import exported  # which is made of jobs
+
+        return exported(self)
 
     @cached_property
     def margins(self):
@@ -381,16 +421,56 @@ def _read_section(given):
     return {"shape": shape, "pieces": tuple(pieces), **rest}
 
 
+def _check_bend(machine, section, given):
+    """Raise ValueError if the cutter doesn't fit the tightest bend of a section."""
+    bend, keeps = section.least_radius, machine.offset
+    if keeps < bend * (1 - 1e-9):
+        return
+    wider = 1.05 * keeps
+    sizes = [key for key in given if key not in ("shape", "snap")]
+    if given["shape"] == "pieces":
+        found = f"a bend of {bend:g} m" if bend else "a corner"
+        would_do = f"an arc of {wider:.2g} m in its place"
+    else:
+        (key,) = sizes
+        found = f"{given[key]:g} m, which bends by {bend:g} m"
+        would_do = f"{given[key] * wider / bend:.2g} m"
+    smaller = machine.depth + 0.95 * bend
+    if bend and smaller > machine.depth:
+        would_do += f", or [machine] cutter_radius = {smaller:.2g},"
+    raise ValueError(
+        f"{', '.join(sizes)}: each bend must be wider than {keeps:g} m, the cutter_radius less the "
+        f"depth; got {found}; {would_do} would do."
+    )
+
+
 def _circuit(machine, section, stance):
-    """Return the circuit; a machine that stands level at a wrong height is told the right ones."""
+    """Return the circuit; a machine that can't run it is told the height or the limits it needs."""
     try:
         return cutting_circuit(machine, section, **stance)
     except ValueError as error:
+        said = f"[machine] {str(error).removeprefix('machine: ')}"
         low, high = machine.heights(section)
-        if any(stance.values()) or low <= machine.height <= high or low >= high:
-            raise
-        remedy = f"[machine] height: may be from {low:.3f} to {high:.3f} m."
-        raise ValueError(f"{error} {remedy}") from None
+        if not any(stance.values()) and low < high and not low <= machine.height <= high:
+            said += f" [machine] height: may be from {low:.3f} to {high:.3f} m."
+        elif needed := _limits_needed(Circuit(machine, section, **stance)):
+            said += f" {needed} would do."
+        raise ValueError(said) from None
+
+
+def _limits_needed(circuit):
+    """Return joint limits that would let a machine run a circuit, as a job says them, or ""."""
+    try:
+        low, high = np.degrees(circuit.reach())
+    except ValueError:  # beyond the arm's reach
+        return ""
+    limits = {}
+    for joint, least, most in zip(("theta", "phi"), low, high, strict=True):
+        if np.radians(least) < getattr(circuit.machine, f"{joint}_min"):
+            limits[f"{joint}_min_deg"] = np.floor(least)
+        if np.radians(most) > getattr(circuit.machine, f"{joint}_max"):
+            limits[f"{joint}_max_deg"] = np.ceil(most)
+    return " with ".join(f"{key} = {value:g}" for key, value in limits.items())
 
 
 def _check_tolerance(machine, plan):
@@ -403,9 +483,10 @@ def _check_tolerance(machine, plan):
     Traceback (most recent call last):
     ValueError: [plan] tolerance: must be at least the 8.4e-05 m that a count moves ...
     """
-    moved = plan.get("count", USUAL["count"]) * (machine.r + machine.R)
+    count = plan.get("count", USUAL["count"])
+    moved = count * (machine.r + machine.R)
     if 0 < plan["tolerance"] < moved:
         raise ValueError(
             f"[plan] tolerance: must be at least the {moved:.2g} m that a count moves the cutter; "
-            f"got {plan['tolerance']:g} m."
+            f"got {plan['tolerance']:g} m with a count of {count:.2g} rad."
         )

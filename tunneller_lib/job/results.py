@@ -4,9 +4,8 @@ import numpy as np
 
 from ..atomic_write import writing
 from ..motion.export import line_c99, line_text
-from ..ream import budget, part_clearances
+from ..ream import budget
 from ..ream.margins import used
-from .controller import program
 from .controller_texts import c99_header, c99_text, plcopen_xml
 from .csv_tables import knots_csv, plan_csv, setpoints_csv, setvalues_csv, table
 from .drawing import dxf
@@ -39,6 +38,7 @@ def plan_numbers(job):
         "limits_used": plan.shares,
         "machine": [dict(zip(MARGIN, margin, strict=False)) for margin in job.margins],
         "clearances": [dict(zip(CLEARANCE, part, strict=True)) for part in plan.clearances],
+        "warnings": job.checked,
     }
 
 
@@ -70,7 +70,7 @@ def summarise(job, cut, say=None):
         "each_lap": _laps(cut),
         "saturated_share": cut.track.saturated_share.tolist(),
         "faults": faults,
-        "warnings": [*_warnings(job, over, under), *_colliding(job), *_strained(job, cut)],
+        "warnings": [*job.checked, *_warnings(job, over, under), *_strained(cut)],
     }
 
 
@@ -86,14 +86,8 @@ def _laps(cut):
 
 def _warnings(job, over, under):
     """Return sentences about results so large that the job may contain a mistake."""
-    depth = job.machine["depth"]
     tolerance = job.plan["tolerance"]
     found = []
-    if tolerance >= depth:
-        found.append(
-            f"[plan] tolerance: {tolerance:g} m isn't below the depth of cut {depth:g} m; "
-            "are all sizes in metres?"
-        )
     for name, worst in (("over", over), ("under", under)):
         if worst > SEVERAL * tolerance:
             found.append(
@@ -103,29 +97,9 @@ def _warnings(job, over, under):
     return found
 
 
-def _colliding(job):
-    """Return sentences about parts that are in the wall in the machine's real pose."""
-    if job.error is None:
-        return []
-    arm_radius = job.plan.get("arm_radius", 0.0)
-    parts = part_clearances(job.planned.circuit, arm_radius, pose=job.error)
-    return [
-        f"the machine's {part.name} {part.depth_in_wall}, where it stands by [pose]."
-        for part in parts
-        if part.collides
-    ]
-
-
-def _strained(job, cut):
-    """Return sentences about what the machine lacks, and about ground that isn't felt."""
-    found = [str(margin) for margin in job.margins if not margin.enough]
-    if job.ground and job.pushing is None:
-        found.append(
-            '[ground]: only limits the feed, since only plant = "T3" feels its force; the wall\'s '
-            "error lacks it."
-        )
-    if not job.ground and job.controller["plant"] == "T3":
-        found.append("[ground]: is missing, so that nothing pushes back on the axes.")
+def _strained(cut):
+    """Return sentences about valves that were fully open."""
+    found = []
     for joint, share in zip(("theta", "phi"), cut.track.saturated_share, strict=True):
         if share > 0:
             found.append(
@@ -161,7 +135,7 @@ def plan_text(numbers):
         lines += ["", "the machine            has      needs"]
     for row in numbers["machine"]:
         lines.append(
-            f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}"
+            f"  {row['what']:19s} {row['has']:8.3g}  {row['needs']:8.3g} {row['unit']}".rstrip()
             + ("" if row["has"] > row["needs"] else ", less than needed")
         )
     if any(row["what"].startswith("in step") for row in numbers["machine"]):
@@ -218,10 +192,11 @@ def summary_text(numbers):
 def write_all(job, cut, folder, numbers, say):
     """Write the files of a job and its cut, without pictures, into a new `folder`.
 
-    Return their paths. The `numbers` are those of `summarise`; `say` gets the files' names.
+    Return their paths. The controller's are left out if it can't keep the plan. The `numbers` are
+    those of `summarise`; `say` gets the files' names.
     """
     plan = job.planned
-    controller = program(plan, job)
+    controller = job.exported.program
     section = plan.circuit.section
     wall = section.offset(-plan.circuit.machine.depth)
     curves = {"SECTION": section, "WALL": wall, "CENTRE": plan.circuit.profile}
@@ -231,16 +206,19 @@ def write_all(job, cut, folder, numbers, say):
         "knots.csv": lambda: knots_csv(plan),
         "setpoints.csv": lambda: setpoints_csv(plan),
         "setvalues.csv": lambda: setvalues_csv(plan),
-        "line.st": lambda: line_text(parts=1),
-        "line.c": line_c99,
-        "controller.h": lambda: c99_header(controller),
-        "controller.c": lambda: c99_text(controller),
-        "controller.st": lambda: controller.text,
-        "blocks.st": lambda: controller.blocks,
-        "controller.xml": lambda: plcopen_xml(controller),
         "section.dxf": lambda: dxf(curves),
         "wall.stl": lambda: stl(*wall_solid(cut.wall), job.stamp),
     }
+    if controller:
+        makers |= {
+            "line.st": lambda: line_text(parts=1),
+            "line.c": line_c99,
+            "controller.h": lambda: c99_header(controller),
+            "controller.c": lambda: c99_text(controller),
+            "controller.st": lambda: controller.text,
+            "blocks.st": lambda: controller.blocks,
+            "controller.xml": lambda: plcopen_xml(controller),
+        }
     folder.mkdir(parents=True)
     files = [folder / name for name in makers]
     for file, make in zip(files, makers.values(), strict=True):

@@ -33,15 +33,40 @@ class WrongJob(ValueError):
 
 
 class Size(NamedTuple):
-    """What a number of a job may be: its `unit`, and plausible sizes from `least` to `most`.
+    """What a number of a job may be: its `unit`, "" for none, and from `least` to `most`.
 
-    Zero passes, and so does a negative number if there is a least size: the code that uses the
-    number checks these.
+    Parameters
+    ----------
+    unit : str
+        As messages write it; "" for a ratio.
+    least, most : float
+        The sizes that make sense, and that a job is served with.
+    zero : bool
+        Whether zero, too, passes a `least` above it.
+    signed : bool
+        Whether negative numbers of these sizes pass as well.
+    why : str
+        What a message says after the range.
     """
 
-    unit: str
+    unit: str = ""
     least: float = 0.0
     most: float = np.inf
+    zero: bool = False
+    signed: bool = False
+    why: str = ""
+
+    def holds(self, value):
+        """Return whether a number passes; NaN doesn't."""
+        size = abs(value) if self.signed else value
+        return self.least <= size <= self.most or (self.zero and value == 0)
+
+    def __str__(self):
+        """Return the range in words."""
+        of = f" {self.unit}".rstrip()
+        if self.signed:
+            return f"at most {self.most:g}{of} in size"
+        return f"{'0 or ' if self.zero else ''}from {self.least:g} to {self.most:g}{of}"
 
 
 def parsed_toml(path):
@@ -125,30 +150,27 @@ def _value(where, value, size, in_degrees):
     unit = "degrees" if in_degrees else _unit(size)
     kinds = {TEXT: str, WHOLE: int}.get(size, (int, float))
     if isinstance(value, bool) or not isinstance(value, kinds):
-        wanted = {TEXT: "a text", WHOLE: "a whole number", "1": "a plain number"}
+        wanted = {TEXT: "a text", WHOLE: "a whole number", "": "a plain number"}
         kind = wanted.get(unit, f"a number in {unit}")
         raise ValueError(f"{where}: must be {kind}; got {shown(value)}.")
     if not isinstance(size, Size):
         return value
     one = np.pi / 180 if in_degrees else 1.0
-    least, most = size.least / one, size.most / one
-    judged = value > 0 or not size.least  # else the code that uses the number judges it
-    if 0 < abs(value) < np.inf and judged and not least <= abs(value) <= most:
-        said = f"from {least:g} to {most:g}" if size.least else f"at most {most:g}"
-        sign = " in size" if value < 0 else ""
-        suffixed = " In degrees its name ends in _deg." if unit == "rad" else ""
-        raise ValueError(f"{where}: must be {said} {unit}{sign}; got {shown(value)}.{suffixed}")
+    asked = size._replace(unit=unit, least=size.least / one, most=size.most / one)
+    if not asked.holds(value):
+        too_large = unit == "rad" and abs(value) > size.most
+        suffixed = " In degrees its name ends in _deg." if too_large else ""
+        raise ValueError(f"{where}: must be {asked}{size.why}; got {shown(value)}.{suffixed}")
     return float(np.radians(value)) if in_degrees else value
 
 
 @contextmanager
-def said_of(table, *, remedy=""):
-    """Make a refusal begin with the `table` that it is about, and end with a `remedy`."""
+def said_of(table):
+    """Make a refusal begin with the `table` that it is about."""
     try:
         yield
     except ValueError as error:
-        said = f"[{table}] {error}".replace(f"[{table}] body: ", "[body] ")
-        raise type(error)(" ".join(filter(None, (said, remedy)))) from None
+        raise type(error)(f"[{table}] {error}".replace(f"[{table}] body: ", "[body] ")) from None
 
 
 def one_of(where, word, words):

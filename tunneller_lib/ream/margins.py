@@ -21,6 +21,7 @@ from .planning import Plan
 JOINTS = "theta", "phi"
 ACTUATORS = "lift", "swing"
 SECOND = 1.0  # s, over which the head's power is averaged, as a motor bears for so long
+MOST_LOOKED = 50_000  # ticks of a lap, at which torque and oil are looked at
 PLACES = 41  # of the circuit, at which oil and loop are looked at
 FREQUENCIES = np.linspace(0.2, 60.0, 20_000)  # Hz, at which chatter is looked for
 FEW = 21  # places of the circuit, at which chatter is looked for
@@ -36,7 +37,7 @@ class Margin(NamedTuple):
     has, needs : float
         The amount that the machine has, and that the cut needs.
     unit : str
-        The unit of both.
+        The unit of both, "" for a ratio.
     remedy : str
         End of a sentence about what would do if the machine has too little.
     """
@@ -53,10 +54,8 @@ class Margin(NamedTuple):
         return self.has > self.needs
 
     def __str__(self):
-        return (
-            f"{self.what}: needs {self.needs:.3g} {self.unit} and has {self.has:.3g} {self.unit}; "
-            f"{self.remedy}."
-        )
+        needs, has = (f"{amount:.3g} {self.unit}".rstrip() for amount in (self.needs, self.has))
+        return f"{self.what}: needs {needs} and has {has}; {self.remedy}."
 
 
 @checked
@@ -127,8 +126,9 @@ def capability(plan: Plan, plant: Plants, loop: Loops, sizes: Sizes):
     axes = _cylinders(plant)
     circuit = plan.circuit
     way = plan.route
-    length = (plan.reached[1:] + plan.reached[:-1]) / 2
-    feed = np.diff(plan.reached) / plan.tick
+    looked = slice(None, None, 1 + len(plan.reached) // MOST_LOOKED)
+    length = ((plan.reached[1:] + plan.reached[:-1]) / 2)[looked]
+    feed = np.diff(plan.reached)[looked] / plan.tick
     at = way.at(length)
     slopes = way.at(length, order=1)
     found = []
@@ -208,7 +208,7 @@ def used(plan: Plan, plant: Plants, cut: Cut, sizes: Sizes):
         power = float(limits.ground.power(rate[whole].max()))
         found.append(Margin("power in a second", limits.power, power, "W", slower))
     for name, command in zip(JOINTS, cut.track.command.T, strict=True):
-        found.append(Margin(f"valve of {name}", 1.0, float(np.abs(command).max()), "1", slower))
+        found.append(Margin(f"valve of {name}", 1.0, float(np.abs(command).max()), "", slower))
     if all(one.hydraulics for one in plant):
         position = cut.track.position
         at = (position[1:] + position[:-1]) / 2
